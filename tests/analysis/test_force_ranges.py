@@ -9,7 +9,9 @@ from scipy.optimize import linprog
 
 import kilter
 from kilter import Assembly, Box, InputError, Mesh, Part
+from kilter.analysis.analysis_tolerances import RANGE_AGREES
 from kilter.cli import main
+from kilter.scenes.walls import wall_of
 
 G = 9.81
 QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
@@ -215,6 +217,24 @@ def test_friction_that_is_used_at_an_end_is_on_the_cone():
     # least: N = W sin - mu R, with the floor force R = W cos + mu N (the stop pulls the block down)
     least = (weight * math.sin(tilt) - mu * n_floor) / (1 + mu * mu)
     assert low == pytest.approx(least, rel=1e-7)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.6])
+def test_an_interior_point_finds_the_ends_of_the_simplex_method(mu, monkeypatch):
+    from kilter.analysis import force_ranges
+
+    scene = wall_of(6).with_friction(mu)
+    simplex = kilter.check(scene).force_ranges()
+    monkeypatch.setattr(force_ranges, "LARGE", 0)
+    interior = kilter.check(scene).force_ranges()
+    for a, b in zip(simplex, interior, strict=True):
+        for first, second in ((a.least, b.least), (a.greatest, b.greatest)):
+            assert first.proved
+            assert second.proved
+            size = 2 * RANGE_AGREES * a.weight
+            assert (first.value, first.bound) == pytest.approx((second.value,) * 2, abs=size)
+            # forces and multipliers are those of another method
+            assert first.bound != second.bound or first.value == second.value == 0.0
 
 
 def test_an_assembly_that_falls_has_no_ranges():

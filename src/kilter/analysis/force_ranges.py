@@ -23,6 +23,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
 
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
 from kilter.arrays import Array, Index, Mask
@@ -33,6 +35,7 @@ from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_force
 from kilter.mechanics.forms import ScaledProblem, equilibrium, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+from kilter.solvers.problem import LinearProgram, Solution
 from kilter.tell.record import InPython, Record, Vector, key
 
 EVEN = 8
@@ -43,8 +46,17 @@ MOST = 100.0
 """Largest force at a contact point for which the bounds hold [weight of the free parts]."""
 BALANCED = 1e-9
 """Largest imbalance of a part by a squeeze, over the sum of its forces [-]."""
+CORRECTIONS = 4
+"""Largest number of steps that balance the forces of an interior point."""
+REGULAR = 1e-15
+"""Regularisation of the equations that balance the forces, over their largest entry [-]."""
 ROUNDED = 1e-12
 """Smaller values count as 0 [weight of the free parts]."""
+LARGE = 40_000
+"""Entries of the matrix of a program from which an interior point solves it: simplex steps take
+minutes there, since most vertices are degenerate."""
+NARROWER = 0.5
+"""Largest gap of a round over that of the round before, above which an interior point ends [-]."""
 SQUEEZED = 1e-6
 """Least gain of a squeeze, whose largest force is 1 [-]."""
 
@@ -191,7 +203,7 @@ class EndSearch:
 
         Arguments: `gain` (K, 3): vector of each row whose product with its force counts.
         """
-        value, bound = -np.inf, np.inf
+        value, bound, gap = -np.inf, np.inf, np.inf
         self.forces = self.rays = None
         guesses: list[Array] = []
         for _ in range(1 if self.program.planar else ROUNDS):
@@ -210,7 +222,9 @@ class EndSearch:
                 if found.across is not None and not self.program.planar:
                     entering = pyramids.entering(sense * gain, found.multipliers)
                     guesses += [angles_across(self.program, x) for x in (found.across, entering)]
-            if bound - value <= RANGE_AGREES * self.weight:
+            ends = pyramids.is_large and bound - value > NARROWER * gap
+            gap = bound - value
+            if ends or gap <= RANGE_AGREES * self.weight:
                 break
         if not np.isfinite(value):
             return ForceEnd(value=None, bound=None, proved=False)
@@ -272,17 +286,35 @@ class _Pyramids:
 
     def best(self, gain: Array) -> _Best:
         """The greatest gain; its value is -inf if the forces leave the cones or do not balance."""
-        answer = self.kept.solve(self._cost(gain))
+        answer, x = self._solved(self._cost(gain))
         if not answer.found:
             return _Best(-np.inf, np.inf)
-        along, across = pyramid_forces(self.program, self.rays, self.problem.forces(answer.x))
+        along, across = pyramid_forces(self.program, self.rays, self.problem.forces(x))
         proof = check_forces(self.program, along, across)
         total = proof.forces[:, None] * self.program.normal + proof.friction
         value = float(np.einsum("ki,ki->", gain, total)) if proof.holds else -np.inf
-        linear = self.kept.program
-        large = (np.abs(answer.x) > linear.upper / 2)[~self.limited].any()
-        bound = -linear.safe_bound(answer.multipliers)
-        return _Best(value, bound, across, bool(large), proof, answer.multipliers)
+        large = (np.abs(x) > self.kept.program.upper / 2)[~self.limited].any()
+        return _Best(value, -answer.bound, across, bool(large), proof, answer.multipliers)
+
+    @property
+    def is_large(self) -> bool:
+        """Whether an interior point solves the program."""
+        return bool(self.kept.program.matrix.nnz >= LARGE)
+
+    def _solved(self, cost: Array) -> tuple[Solution, Array]:
+        """The answer for a cost (n,), and its point (n,), which of an interior point is balanced.
+
+        A small program goes on from its last basis.
+        """
+        from kilter.solvers.highs import solve_linear
+
+        if self.is_large:
+            linear = replace(self.kept.program, cost=cost)
+            answer = solve_linear(linear, method="interior")
+            if answer.found:
+                return answer, _balanced(linear, answer.x)
+        answer = self.kept.solve(cost)
+        return answer, answer.x
 
     def entering(self, gain: Array, multipliers: Array) -> Array:
         """Direction across each contact along which a force would gain most, shape (K, 3)."""
@@ -311,6 +343,25 @@ class _Pyramids:
         left = part_sizes(self.program, self.program.wrenches(along, across), per_radius=True)
         pressed = self.program.force_sums(along, across)
         return bool((left <= BALANCED * pressed)[self.program.free].all())
+
+
+def _balanced(linear: LinearProgram, x: Array) -> Array:
+    """Forces near x (n,) that are in balance, since an interior point balances them to 1e-8 only.
+
+    Each step is the correction of least squares. The inverse forces weight it, so that it changes
+    each force by about the same share of itself, and nearly all of them still push.
+    """
+    matrix = linear.matrix
+    for _ in range(CORRECTIONS):
+        x = np.clip(x, linear.lower, linear.upper)
+        left = linear.row_lower - matrix @ x
+        if np.abs(left).max() <= ROUNDED:
+            break
+        normal = csc_array((matrix * np.abs(x)) @ matrix.T)
+        normal.setdiag(normal.diagonal() + REGULAR * normal.diagonal().max())
+        factor = splu(normal, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        x = x + np.abs(x) * (matrix.T @ factor.solve(left))
+    return x
 
 
 def _source_rows(program: Program, rays: Program) -> Index:
