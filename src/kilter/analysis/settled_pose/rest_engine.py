@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.settled_pose.body_copies import BodyCopies, find_copies
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.closing_motion import least_motion, sunk_depths
 from kilter.analysis.settled_pose.descent import Descent
@@ -163,6 +164,10 @@ class _State:
     """Parts that stay in place, since no motion opens their overlaps."""
     depth: float = 0.0
     """Depth of the deepest of these overlaps that remains after the least motion [length unit]."""
+    aside: RigidBodies | None = None
+    sunk: bool = False
+    eased: bool = False
+    """`aside`, `sunk` and `eased` of the result."""
 
     def copied(self) -> _State:
         """A state that moves on its own."""
@@ -242,6 +247,23 @@ def come_to_rest(
     `rounds`: largest number of steps; `sunk`: whether sunk groups first come to rest by the least
     motion; `ease`: whether resting bodies slide on to where they need little friction.
     """
+    copies = find_copies(bodies)
+    if copies is not None:
+        chosen, few = copies.chosen, bodies.only(copies.chosen)
+        most = None if limit is None else limit[np.append(0, np.flatnonzero(chosen))]
+        found = _search(few, contacts, tell, most, rounds=rounds, sunk=sunk, ease=ease)
+        whole = _with_copies(found, copies, contacts, tell)
+        if whole is not None:
+            return _result(whole, reach)
+    found = _search(bodies, contacts, tell, limit, rounds=rounds, sunk=sunk, ease=ease)
+    return _result(found, reach)
+
+
+def _search(
+    bodies: RigidBodies, contacts: ContactSet, tell: Tell, limit: Array | None, *, rounds: int,
+    sunk: bool, ease: bool,
+) -> _State:  # fmt: skip
+    """Bring bodies to rest; arguments as of `come_to_rest`."""
     state = _begin(bodies, contacts, tell)
     state.most_rounds = rounds
     if limit is not None:
@@ -257,7 +279,26 @@ def come_to_rest(
     if ease:
         _ease(state)
     _balance(state)
-    return replace(_result(state, reach), aside=aside, sunk=closed, eased=ease)
+    state.aside, state.sunk, state.eased = aside, closed, ease
+    return state
+
+
+def _with_copies(
+    found: _State, copies: BodyCopies, contacts: ContactSet, tell: Tell
+) -> _State | None:
+    """All bodies at rest, from the rest of one group of each class; None if copies may differ."""
+    if found.unfit:
+        return None
+    place = np.append(0, np.cumsum(copies.chosen)[1:])[copies.source]
+    ways = [list(found.ways[k]) for k in place.tolist()]
+    if not copies.are_apart(ways, found.gone[place]):
+        return None
+    state = _begin(copies.bodies, contacts, tell)
+    state.bodies, state.ways, state.asleep = copies.at_rest(found.bodies), ways, found.asleep[place]
+    state.aside = None if found.aside is None else copies.at_rest(found.aside)
+    state.gone, state.rounds = found.gone[place], found.rounds
+    state.sunk, state.eased = found.sunk, found.eased
+    return state
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -935,5 +976,5 @@ def _result(state: _State, reach: float | None) -> RestResult:
         why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
     return RestResult(
         verdict, state.bodies, _ways(state), leaves, parts, state.depth, why, state.rounds,
-        points=points.take(closed),
+        state.aside, points.take(closed), state.sunk, state.eased,
     )  # fmt: skip

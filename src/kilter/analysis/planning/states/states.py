@@ -29,7 +29,7 @@ parts: both adding and removing a part can make a state fall.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -41,6 +41,7 @@ from kilter.analysis.check import check
 from kilter.analysis.decision.cascade import Decision, decide
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.equal_groups import equal_groups
 from kilter.analysis.planning.states.holds import Holds, bits_of, find_fewest_holds
 from kilter.analysis.planning.states.known_proofs import (
     KnownForces,
@@ -70,14 +71,12 @@ from kilter.mechanics.certificate import (
 )
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
-from kilter.rigid import quaternion_to_matrix, unit
+from kilter.rigid import unit
 from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
 from kilter.work import Work, units_of
 
-COPY_DIGITS = 8
-"""Decimal digits to which places in equal groups agree, relative to the largest part [-]."""
 SMALL, NEAR = 20, 4
 """Numbers of free parts, and of parts that differ from the last state, up to which a state is
 solved by the linear program before the exact cones."""
@@ -366,25 +365,9 @@ class States:
         The groups are bit sets. Equal groups have the same shapes in the same order, in the same
         places up to a shift and a turn about the vertical. Their contacts and loads may differ.
         """
-        parts, down = self.assembly.parts, self.assembly.down
-        turns = quaternion_to_matrix(np.array([part.pose.rotation for part in parts]))
-        places = np.array([part.pose.position for part in parts])
-        first: dict[Hashable, int] = {}
-        found = {}
-        for group in self.groups:
-            own = np.flatnonzero(group.free)
-            back, size = turns[own[0]].T, float(self.assembly.geometry.size[own].max())
-            arms = (places[own] - places[own[0]]) @ back.T / size
-            data = np.concatenate([arms.ravel(), (back @ turns[own]).ravel(), back @ down])
-            key = tuple(id(parts[k].shape) for k in own.tolist()), data.round(COPY_DIGITS) + 0.0
-            source = first.setdefault((key[0], key[1].tobytes()), int(own[0]))
-            if source != own[0]:
-                found[group.bits] = self._group_at(source), turns[own[0]] @ turns[source].T
-        return found
-
-    def _group_at(self, part: int) -> int:
-        """The group of a part, as a bit set."""
-        return next(group.bits for group in self.groups if group.bits >> part & 1)
+        bits = [group.bits for group in self.groups]
+        equal = equal_groups(self.assembly, [np.flatnonzero(group.free) for group in self.groups])
+        return {bits[k]: (bits[source], turn) for k, (source, turn) in equal.items()}
 
     def mask(self, patterns: str | Iterable[str]) -> Mask:
         """Mask of the parts whose names match the patterns, shape (N,).
