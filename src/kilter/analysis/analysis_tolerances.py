@@ -182,3 +182,22 @@ AROUND_LIMIT = (3e-9, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Distances on both sides of a limit at which proofs are tested, over max(limit, 1) [-]."""
 BEYOND_LIMIT = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Relative distances above a load limit at which its mechanism is tested as a proof [-]."""
+CORNER = 1e-7
+"""Largest distance of a contact point from a feature of a part on which it lies [size of the part].
+A larger value takes points beside an edge for points of the edge."""
+OUTLINE_ANGLE = 1e-6
+"""Outlines of faces whose directions differ by less are parallel [rad]. A larger value takes
+outlines that cross for outlines that coincide."""
+LIMIT_REFINED = 1e-11
+"""Largest residual of the conditions of an optimum, relative to weights and speeds [-]. A larger
+value accepts derivatives of a limit with fewer digits."""
+SAME_FORCE = 1e-7
+"""Largest change of a derivative by other optimal forces or motions that counts as none [-]. A
+larger value takes derivatives to both sides for equal."""
+SAME_LIMIT = 1e-6
+"""Directions whose limits differ by less, relative to them, have the same limit [-]. A larger value
+takes a limit for non-smooth where it is smooth."""
+LIMIT_SIGNS = 1e-7
+"""Largest force outside of its cone, and speed at which a contact closes, in a refined limit,
+relative to the largest [-]. A larger value accepts forces and motions that are not optimal.
+"""

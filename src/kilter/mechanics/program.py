@@ -504,7 +504,7 @@ def build_program(
         inertia=geometry.inertia,
         radius=geometry.radius,
         gravity=assembly.gravity,
-        applied=_applied_loads(assembly, geometry),
+        applied=loads_about(assembly, geometry.center),
         clamp=clamp,
         tolerance=_part_tolerances(contacts, geometry),
         planar=assembly.planar,
@@ -519,12 +519,15 @@ def bounding_program(assembly: Assembly, contacts: ContactSet) -> Program:
     return program.with_rows(mu=np.zeros(len(program.mu)))
 
 
-def _applied_loads(assembly: Assembly, geometry: Geometry) -> Array:
-    """Loads stated in the assembly, as force and torque about the centres of mass, shape (N, 6)."""
+def loads_about(assembly: Assembly, center: Array) -> Array:
+    """Loads stated in the assembly, as force and torque about the given centres, shape (N, 6).
+
+    A load without a point acts at the centre. Arguments: `center` (N, 3).
+    """
     applied = np.zeros((len(assembly.parts), 6))
     for load in assembly.loads:
         k = assembly.index_of(load.part)
-        arm = np.zeros(3) if load.point is None else load.point - geometry.center[k]
+        arm = np.zeros(3) if load.point is None else load.point - center[k]
         applied[k, :3] += load.force
         applied[k, 3:] += load.torque + cross(arm, load.force)
     return applied

@@ -9,7 +9,7 @@ assembly, just beyond it a motion starts; both are as near to the limit as they 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -44,6 +44,9 @@ from kilter.tell.record import (
     Word,
     key,
 )
+
+if TYPE_CHECKING:
+    from kilter.analysis.gradients.gradient import Gradient
 
 Change = Callable[[float], dict[str, Any]]
 About = tuple[dict[str, Any], dict[str, Any]]
@@ -160,6 +163,38 @@ class Margin(OfAssembly):
             If no limit is known.
         """
         return make_bundle("margin", margin_proofs(self, options=options or {}))
+
+    def gradient(self, of: str = "tilt", *, part: str | None = None) -> Gradient:
+        """Derivatives of a limit by positions, masses, friction, loads and shapes of the parts.
+
+        The forces and the motion of the limit give them, without a further optimisation.
+
+        Parameters
+        ----------
+        of : {"tilt", "friction", "load factor", "least load factor", "push", "load"}
+            The limit.
+        part : str, optional
+            The part that is pushed or loaded.
+
+        Raises
+        ------
+        InputError
+            If the answer has no finite limit of this kind, or the assembly has bonds, straps or
+            springs.
+
+        Examples
+        --------
+        >>> import kilter
+        >>> box = kilter.Part("box", kilter.Box(1, 1, 2), [0, 0, 1])
+        >>> table = kilter.Part("table", kilter.Box(9, 9, 1), [0, 0, -0.5], grounded=True)
+        >>> gradient = kilter.margin(kilter.Assembly([table, box], friction=0.9)).gradient("tilt")
+        >>> [round(float(slope), 4) for slope in gradient.center[1, 2]]  # degrees per metre
+        [-22.9183, -22.9183]
+        """
+        from kilter.analysis.gradients.gradient import gradient_of
+        from kilter.analysis.margins.solved_limits import limit_cases
+
+        return gradient_of(self.assembly, self.contacts, limit_cases(self, of, part))
 
     def __repr__(self) -> str:
         tilt = "none" if self.tilt_deg is None else f"{self.tilt_deg:.6g} deg"

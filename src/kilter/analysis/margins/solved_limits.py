@@ -1,0 +1,309 @@
+"""The limits of a margin as solved programs: forces, motion and the load that each multiplies.
+
+The least tilt and the weakest push are the least of many limits, one for each direction. Their
+derivative is that of the limit along the least direction, which the motion gives. If several
+directions have the same limit, each is a case: the least of them all is the limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol, get_args
+
+import numpy as np
+
+from kilter.analysis.analysis_tolerances import SAME_LIMIT, STEEPEST
+from kilter.analysis.gradients.limit_case import (
+    LimitCase,
+    LimitCases,
+    LimitWord,
+    least_direction,
+    refined_case,
+)
+from kilter.analysis.gradients.limit_power import SolvedLimit
+from kilter.analysis.load_limit import Limit, gravity_wrench
+from kilter.analysis.margins.least_friction import LeastFriction
+from kilter.analysis.margins.part_limits import PartLoad, Push
+from kilter.analysis.margins.tilt import TiltMargin, held_limit
+from kilter.arrays import TINY, Array, across, cross
+from kilter.assembly import Assembly
+from kilter.contact.round_edges import RoundEdge
+from kilter.errors import InputError, some_names
+from kilter.mechanics.clusters import clusters, different_clusters
+from kilter.mechanics.program import Program
+
+DIRECTIONS = 8
+"""Largest number of directions with the same limit that are told apart."""
+APART = 1e-3
+"""Directions that differ by more are different cases [rad]."""
+
+
+class KnownLimits(Protocol):
+    """The limits of an answer of `kilter.margin`."""
+
+    @property
+    def assembly(self) -> Assembly:
+        """The assembly."""
+
+    @property
+    def program(self) -> Program:
+        """The modelled contacts, with friction."""
+
+    @property
+    def tilt(self) -> TiltMargin | None:
+        """The least tilt."""
+
+    @property
+    def edges(self) -> tuple[RoundEdge, ...]:
+        """Round edges over which parts tip."""
+
+    @property
+    def friction_limit(self) -> LeastFriction | None:
+        """The least friction."""
+
+    @property
+    def load_limits(self) -> tuple[Limit | None, Limit | None] | None:
+        """The least and the greatest load factor."""
+
+    @property
+    def push(self) -> Array | None:
+        """Direction of the body force of the load factor, shape (3,)."""
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The weakest pushes of parts."""
+
+    @property
+    def loads(self) -> tuple[PartLoad, ...]:
+        """The largest loads on parts."""
+
+
+def limit_cases(margin: KnownLimits, of: str, part: str | None) -> LimitCases:
+    """The solved limits of an answer of `kilter.margin`.
+
+    Raises `InputError` if the answer has no finite limit of this kind.
+    """
+    if of not in get_args(LimitWord):
+        raise InputError(
+            f"there is no limit {of!r}", hint=f"name {some_names(get_args(LimitWord))}"
+        )
+    if margin.program.has_limits or margin.program.clamp.any():
+        raise InputError(
+            "derivatives are not computed for bonds, straps, springs and friction of joints",
+            hint="leave them out",
+        )
+    found = {
+        "tilt": _tilt,
+        "friction": _friction,
+        "load factor": _load_factor,
+        "least load factor": _load_factor,
+        "push": _part_limit,
+        "load": _part_limit,
+    }[of](margin, of, part)
+    if found is None:
+        raise InputError(
+            f"there is no finite limit {of!r} of this assembly",
+            hint="request another limit; one that does not stand has a change that makes it stand",
+        )
+    return found
+
+
+def _tilt(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
+    """The directions of tilt with the least limit."""
+    tilt = margin.tilt
+    if tilt is None or not 0 <= tilt.angle < np.pi / 2 or not tilt.toward.any():
+        return None
+    slope = float(np.tan(tilt.angle))
+    chosen = _least_tilts(margin, tilt, slope)
+    turned = None
+    if len(chosen) >= DIRECTIONS:
+        turned = _Turned(margin, slope)
+        angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+        found = [turned(float(angle)) for angle in angles]
+    else:
+        found = [_tilt_case(margin, direction, slope) for direction in chosen]
+    cases = tuple(case for case in found if case is not None)
+    if not cases:
+        return None
+    copied = _has_copies(margin.program, cases[0].solved)
+    return LimitCases(of, float(np.degrees(tilt.angle)), "deg", 1.0, cases, copied, turned)
+
+
+def _least_tilts(margin: KnownLimits, tilt: TiltMargin, slope: float) -> list[Array]:
+    """Horizontal unit directions in which motions bound the tilt by the least.
+
+    The motions are those of the search for the least tilt, and of limits across from it.
+    """
+    program = tilt.shared.program
+    down = program.down
+    motions = list(tilt.shared.mechanisms)
+    aside = cross(down, tilt.toward)
+    for direction in (-tilt.toward, aside, -aside) if not program.planar else (-tilt.toward,):
+        limit = held_limit(
+            gravity_wrench(program, direction),
+            shared=tilt.shared,
+            most=STEEPEST,
+            edges=margin.edges,
+        )
+        if isinstance(limit, Limit) and limit.motion is not None:
+            motions.append(limit.motion.motion)
+    chosen = [tilt.toward]
+    for motion in motions:
+        moment = (program.mass * program.free) @ motion[:, :3]
+        aside = moment - (moment @ down) * down
+        size = float(np.linalg.norm(aside))
+        if size == 0 or -float(down @ moment) / size > slope * (1 + SAME_LIMIT) + SAME_LIMIT:
+            continue
+        if all(np.linalg.norm(aside / size - other) > APART for other in chosen):
+            chosen.append(aside / size)
+    return chosen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Turned:
+    """Limits of tilts at given angles across gravity."""
+
+    margin: KnownLimits
+    slope: float
+
+    def __call__(self, angle: float) -> LimitCase | None:
+        u, v = across(self.margin.program.down)
+        direction = np.cos(angle) * u + np.sin(angle) * v
+        return _tilt_case(self.margin, direction, self.slope, turns=False)
+
+
+def _tilt_case(
+    margin: KnownLimits, direction: Array, slope: float, *, turns: bool = True
+) -> LimitCase | None:
+    """The limit of a tilt toward a direction, or the least beside it; None if it is not least."""
+    tilt = margin.tilt
+    assert tilt is not None
+    program, down = tilt.shared.program, tilt.shared.program.down
+    wrench = gravity_wrench(program, direction)
+    limit = held_limit(wrench, shared=tilt.shared, most=STEEPEST, edges=margin.edges)
+    if not isinstance(limit, Limit) or limit.motion is None:
+        return None
+    unit = float(np.degrees(np.cos(tilt.angle) ** 2))
+    solved = _solved(limit, gravity_wrench(limit.program, direction), unit=unit)
+    solved = replace(solved, along_mass=program.g * direction)
+    weights = program.mass * program.free
+
+    def turned(solved: SolvedLimit) -> SolvedLimit:
+        moment = weights @ solved.motion[:, :3]
+        aside = moment - (moment @ down) * down
+        aside = aside / max(float(np.linalg.norm(aside)), TINY)
+        along = gravity_wrench(solved.program, aside)
+        return replace(solved, along=along, along_mass=program.g * aside)
+
+    case = least_direction(solved, turned) if turns else refined_case(solved)
+    return case if case.solved.value <= slope * (1 + SAME_LIMIT) + SAME_LIMIT else None
+
+
+def _friction(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
+    """The least friction coefficient."""
+    limit = margin.friction_limit
+    if limit is None or limit.motion is None or limit.value == 0.0 or not limit.attained:
+        return None
+    program = limit.program
+    count = len(program.names)
+    solved = SolvedLimit(
+        program,
+        limit.forces.forces,
+        limit.forces.friction,
+        limit.motion.motion,
+        np.zeros((count, 6)),
+        limit.value,
+        None,
+        _fixed_loads(margin, 1.0),
+    )
+    copied = _has_copies(program, solved)
+    return LimitCases(of, limit.value, "-", 1.0, (refined_case(solved),), copied)
+
+
+def _load_factor(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
+    """The greatest or the least load factor."""
+    greatest = of == "load factor"
+    sign = 1.0 if greatest else -1.0
+    limit = None if margin.load_limits is None else margin.load_limits[int(greatest)]
+    if limit is None or limit.motion is None or not np.isfinite(limit.value):
+        return None
+    program = limit.program
+    if margin.push is None:
+        wrench = np.where(program.free[:, None], margin.program.applied, 0.0)
+        solved = _solved(limit, sign * wrench)
+        share = sign * limit.value
+        solved = replace(solved, fixed=_fixed_loads(margin, share), load_share=share)
+    else:
+        solved = _solved(limit, sign * gravity_wrench(program, margin.push))
+        along = sign * program.g * margin.push
+        solved = replace(solved, along_mass=along, fixed=_fixed_loads(margin, 1.0))
+    copied = _has_copies(margin.program, solved)
+    return LimitCases(of, sign * limit.value, "-", sign, (refined_case(solved),), copied)
+
+
+def _part_limit(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
+    """The weakest push of a part, or the largest load on it."""
+    pushes = {each.part: each for each in margin.pushes}
+    loads = {each.part: each for each in margin.loads}
+    if part is None or part not in (pushes if of == "push" else loads):
+        raise InputError(
+            f"the answer has no {of} of {part!r}",
+            hint=f"compute the margin with {'pushes' if of == 'push' else 'loads'}=True, and give "
+            "part=NAME",
+        )
+    limit, amount, along = (
+        (pushes[part].limit, pushes[part].force, pushes[part].along)
+        if of == "push"
+        else (loads[part].limit, loads[part].load, margin.program.down)
+    )
+    if limit.motion is None or not 0 < amount < np.inf:
+        return None
+    program = limit.program
+    k = program.names.index(part)
+    wrench = np.zeros((len(program.names), 6))
+    wrench[k, :3] = along
+    solved = replace(_solved(limit, wrench), value=amount, fixed=_fixed_loads(margin, 1.0))
+
+    def turned(given: SolvedLimit) -> SolvedLimit:
+        step, along = given.motion[k, :3], np.zeros_like(wrench)
+        along[k, :3] = step / max(float(np.linalg.norm(step)), TINY)
+        return replace(given, along=along)
+
+    case = refined_case(solved) if of == "load" else least_direction(solved, turned)
+    return LimitCases(of, amount, "N", 1.0, (case,), False)
+
+
+def _solved(limit: Limit, along: Array, *, unit: float = 1.0) -> SolvedLimit:
+    """A limit as a solved program, with a load per unit of it."""
+    assert limit.motion is not None
+    none = np.zeros((len(limit.program.names), 3))
+    return SolvedLimit(
+        limit.program,
+        limit.forces.forces,
+        limit.forces.friction,
+        limit.motion.motion,
+        along,
+        limit.value,
+        None,
+        none,
+        unit,
+    )
+
+
+def _fixed_loads(margin: KnownLimits, factor: float) -> Array:
+    """Forces of given loads at points that do not move with the parts, shape (N, 3) [N]."""
+    forces = np.zeros((len(margin.program.names), 3))
+    for load in margin.assembly.loads:
+        if load.point is not None:
+            forces[margin.assembly.index_of(load.part)] += factor * load.force
+    return forces
+
+
+def _has_copies(program: Program, solved: SolvedLimit) -> bool:
+    """Whether another cluster is equal to the one that moves: then both have the limit."""
+    if len(parted := clusters(program)) < 2:
+        return False
+    fastest = int(np.abs(solved.motion[:, :3]).max(axis=1).argmax())
+    same = different_clusters(parted)
+    number = next(k for k, cluster in enumerate(parted) if cluster.program.free[fastest])
+    return bool((same == same[number]).sum() > 1)
