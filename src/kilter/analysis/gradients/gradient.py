@@ -121,14 +121,14 @@ class Gradient:
 
         Examples
         --------
-        >>> from dataclasses import replace
         >>> import kilter
-        >>> tower = kilter.example("tower")
-        >>> heavy = replace(tower.parts[-1], mass=2 * tower.parts[-1].mass)
-        >>> slope = kilter.margin(tower).gradient("tilt").along(
-        ...     tower.with_parts([*tower.parts[:-1], heavy]))
-        >>> slope.left == slope.right
-        True
+        >>> table = kilter.Part("table", kilter.Box(9, 9, 1), [0, 0, -0.5], grounded=True)
+        >>> def box(height):
+        ...     part = kilter.Part("box", kilter.Box(1, 1, height), [0, 0, height / 2])
+        ...     return kilter.Assembly([table, part], friction=0.9)
+        >>> slope = kilter.margin(box(2.0)).gradient("tilt").along(box(2.001))
+        >>> round(slope.right / 0.001, 3)  # degrees per metre
+        -22.918
         """
         assembly = self._assembly
         _require_same_parts(assembly, other)

@@ -32,6 +32,10 @@ from kilter.mechanics.rows import CONTACT
 from kilter.solvers.problem import ConicProgram
 
 
+NO_CHANGE = 1e-12
+"""Changes of forces and motion below this, relative to the largest, are rounding [-]."""
+
+
 def slope_on_face(power: LimitPower, refined: RefinedLimit, rates: Rates) -> float:
     """Derivative of a limit toward larger values of a parameter, by one program; NaN if unknown."""
     from kilter.solvers.clarabel import solve_conic
@@ -182,6 +186,9 @@ def scaled_others(refined: RefinedLimit) -> list[tuple[Array, Array, Array]]:
     for forces, friction, motion in refined.others:
         by_force = max(float(np.abs(forces).max(initial=0.0)), float(np.abs(friction).max()))
         by_speed = float(lengths(motion[:, :3]).max(initial=0.0))
-        factor = 1 / max(by_force / force, by_speed / speed, TINY)
+        size = max(by_force / force, by_speed / speed)
+        if size <= NO_CHANGE:
+            continue
+        factor = 1 / size
         scaled.append((factor * forces, factor * friction, factor * motion))
     return scaled
