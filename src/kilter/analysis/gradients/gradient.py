@@ -128,7 +128,7 @@ class Gradient:
         ...     return kilter.Assembly([table, part], friction=0.9)
         >>> slope = kilter.margin(box(2.0)).gradient("tilt").along(box(2.001))
         >>> round(slope.right / 0.001, 3)  # degrees per metre
-        -22.918
+        -11.459
         """
         assembly = self._assembly
         _require_same_parts(assembly, other)

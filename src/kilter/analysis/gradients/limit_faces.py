@@ -27,10 +27,10 @@ from kilter.analysis.gradients.refined_limit import (
     RefinedLimit,
     row_friction,
 )
-from kilter.arrays import TINY, Array, Index, cross, lengths
+from kilter.arrays import TINY, Array, Index, cross
+from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.rows import CONTACT
 from kilter.solvers.problem import ConicProgram
-
 
 NO_CHANGE = 1e-12
 """Changes of forces and motion below this, relative to the largest, are rounding [-]."""
@@ -181,11 +181,12 @@ def scaled_others(refined: RefinedLimit) -> list[tuple[Array, Array, Array]]:
     """Changes along which the optimum is not unique, as large as its forces and motion."""
     solved = refined.solved
     force = max(float(np.abs(solved.forces).max(initial=0.0)), TINY)
-    speed = max(float(lengths(solved.motion[:, :3]).max(initial=0.0)), TINY)
+    program = solved.program
+    speed = max(float(part_sizes(program, solved.motion, per_radius=False).max()), TINY)
     scaled = []
     for forces, friction, motion in refined.others:
         by_force = max(float(np.abs(forces).max(initial=0.0)), float(np.abs(friction).max()))
-        by_speed = float(lengths(motion[:, :3]).max(initial=0.0))
+        by_speed = float(part_sizes(program, motion, per_radius=False).max())
         size = max(by_force / force, by_speed / speed)
         if size <= NO_CHANGE:
             continue
