@@ -34,6 +34,26 @@ SMALL = [1e-3, 1e-3, 0.1]
 """A box that is small, so that its centre and its contact are at the same place."""
 
 
+def test_supports_far_aside_do_not_divide_the_places_on_others():
+    table = Part("table", Box(60, 60, 1), [0, 0, -0.5], grounded=True)
+
+    def places(pairs):
+        posts = [
+            Part(f"post {k} {x}", Box(0.5, 0.5, 1), [10.0 * k + x, 0.07 * k, 0.5])
+            for k in range(pairs)
+            for x in (-0.6, 0.6)
+        ]
+        plank = Part("plank", Box(1.5, 0.4, 0.3))
+        found = place(Assembly([table, *posts], friction=0.5), plank, mass=1.0)
+        [level] = [level for level in found.levels if level.height > 1]
+        return found.programs, level.stands.area
+
+    programs, area = places(1)
+    more, wide = places(3)
+    assert wide == pytest.approx(3 * area, rel=1e-3)
+    assert more <= 3 * programs
+
+
 def seesaw(weight: float, half: float) -> Assembly:
     base = Part("base", Box([2 * half, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
     return Assembly([base, Part("plank", Box([2, 1, 0.1]), Pose([0, 0, 0.05]), mass=weight)])

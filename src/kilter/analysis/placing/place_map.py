@@ -346,8 +346,9 @@ class PlaceMap:
 
     def _cells(self, landing: Landing, piece: shapely.Geometry) -> list[shapely.Geometry]:
         """Cells of a polygon in which the kinds of corners of the areas of contact are constant."""
-        bounds = np.array(piece.bounds)
-        cuts = [self._cuts(landing.tops, axis, bounds[axis], bounds[axis + 2]) for axis in (0, 1)]
+        low, high = np.array(piece.bounds).reshape(2, 2)
+        tops = landing.near(low, high, self.landings.part.size)
+        cuts = [self._cuts(tops, axis, low[axis], high[axis]) for axis in (0, 1)]
         cells = [
             both(shapely.box(u, v, s, t), piece)
             for u, s in zip(cuts[0][:-1], cuts[0][1:], strict=True)
