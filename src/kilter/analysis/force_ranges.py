@@ -24,7 +24,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
 from kilter.arrays import Array, Index, Mask
@@ -351,6 +350,8 @@ def _balanced(linear: LinearProgram, x: Array) -> Array:
     Each step is the correction of least squares. The inverse forces weight it, so that it changes
     each force by about the same share of itself, and nearly all of them still push.
     """
+    from scipy.sparse.linalg import splu
+
     matrix = linear.matrix
     for _ in range(CORRECTIONS):
         x = np.clip(x, linear.lower, linear.upper)
