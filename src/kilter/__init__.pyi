@@ -909,6 +909,7 @@ def margin(
     loads: bool = False,
     ranges: Ranges | None = None,
     bracket: bool = False,
+    improve: bool = False,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     require: str = "equilibrium",
@@ -931,13 +932,16 @@ def margin(
         Also the weakest push of each free part. Of more than 50 parts, those that move most
         easily.
     pushed : list of str, optional
-        Only the pushes of these parts, and the gain of holding them.
+        Only the pushes of these parts; with `improve`, only these parts are held in turn.
     loads : bool
         Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional
         Also the worst tilt margin and load factor over these intervals.
     bracket : bool
         Also the load factors up to which no motion that obeys the contact law can start.
+    improve : bool
+        Also changes of the assembly that raise the tilt margin most, each tried; without a tilt
+        margin those for the load factor, or for the least friction.
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
         to which this level is reached. The default is lower than that of `check`, because each

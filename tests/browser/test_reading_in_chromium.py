@@ -129,7 +129,7 @@ def test_margins_are_those_of_the_command(opened):
     assert "no friction is needed" in told_
     weakest = min(margin.pushes, key=lambda push: push.limit.value)
     assert weakest.part in told_.split("weakest push")[1].split("what helps")[0]
-    for one in margin.helps:
+    for one in margin.improvements:
         assert one.sentence in told_
 
 

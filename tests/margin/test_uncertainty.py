@@ -1,4 +1,4 @@
-"""Uncertain data, loads on parts, and what helps."""
+"""Uncertain data, and loads on parts."""
 
 import dataclasses
 import sys
@@ -11,7 +11,7 @@ from margins import program_of, small_assembly
 import kilter
 from kilter import Assembly, Box, Load, Part, Pose, margin
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
+from kilter.analysis.load_limit import NoLimit, gravity_wrench
 from kilter.analysis.margins import tilt as following_forces
 from kilter.analysis.margins import uncertainty
 from kilter.analysis.margins.tilt import find_tilt_margin
@@ -22,14 +22,11 @@ from kilter.analysis.margins.uncertainty import (
     corner,
     find_uncertainty,
 )
-from kilter.analysis.margins.what_helps import what_helps
 from kilter.arrays import cross
 from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.mechanics.program import build_program
 from kilter.mechanics.rows import CONTACT
-from kilter.scenes import arches, stacks, walls
-from kilter.scenes import traps as rounds
-from kilter.scenes.pieces import block, floor
+from kilter.scenes import stacks, walls
 from kilter.tell.facts import facts
 from kilter.tell.tables import load_table
 
@@ -197,126 +194,6 @@ def test_a_block_under_a_side_load_is_held_up_to_its_friction(share, held):
     following = _by_following(program, ranges, None)
     assert following is not None
     assert (corners.held, following.held) == (held, held)
-
-
-def by_kind(helps):
-    return {one.what: one for one in helps}
-
-
-def offset_pair(mu=(0.35, 0.3), above=700.0) -> Assembly:
-    """A light block on a heavy one, with two coefficients of friction, not symmetric."""
-    parts = [
-        floor([-3, -3], [3, 3]),
-        block("low", [-0.5, -0.7, 0], [0.6, 0.7, 0.5], density=1500.0),
-        block("high", [-0.4, -0.5, 0.5], [0.35, 0.5, 1.5], density=above),
-    ]
-    from kilter.assembly import FrictionPair
-
-    pairs = [FrictionPair(("floor", "low"), mu[0]), FrictionPair(("low", "high"), mu[1])]
-    return Assembly(parts, friction_pairs=pairs)
-
-
-def degrees(program) -> float:
-    return float(np.degrees(find_tilt_margin(program).angle))
-
-
-def with_mu(program, parts, more):
-    a, b = (program.names.index(name) for name in parts)
-    rows = (program.part_a == a) & (program.part_b == b)
-    return program.with_rows(mu=program.mu + more * rows)
-
-
-def with_mass(program, part, share):
-    mass = program.mass.copy()
-    mass[program.names.index(part)] *= 1 + share
-    return program.with_rows(mass=mass)
-
-
-@pytest.mark.slow
-def test_friction_that_helps_the_tilt_is_that_of_the_law():
-    """The upper block slides at atan mu until the lower one does."""
-    program = program_of(offset_pair())
-    found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["friction"]
-    assert found.parts == ("low", "high")
-    gain = np.degrees(np.arctan(0.35) - np.arctan(0.3))
-    assert found.gain == pytest.approx(gain, rel=1e-6)
-
-
-@pytest.mark.slow
-def test_mass_that_helps_the_tilt_moves_the_centre():
-    """The pair topples together over x = -0.5: tan is the lever over the height of the centre."""
-    program = program_of(offset_pair(mu=(2.0, 2.0), above=7000.0))
-    found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["mass"]
-    assert (found.parts, found.by) == (("low",), 0.1)
-    low, high = 1500 * 1.1 * 1.4 * 0.5, 7000 * 0.75 * 1.0 * 1.0
-
-    def tilt(below):
-        moment = below * np.array([0.05, 0.25]) + high * np.array([-0.025, 1.0])
-        center = moment / (below + high)
-        return np.degrees(np.arctan((center[0] + 0.5) / center[1]))
-
-    assert found.gain == pytest.approx(tilt(1.1 * low) - tilt(low), rel=1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("build", "push"),
-    [
-        (lambda: arches.arch(20), None),
-        (lambda: two_slabs(), None),
-        (lambda: rounds.three_cylinders(), None),
-        (lambda: walls.ferris_tin_loi(1), X),
-        (lambda: walls.ferris_tin_loi(3), X),
-    ],
-    ids=["arch", "two slabs", "cylinders", "wall 1", "wall 3"],
-)
-def test_a_gain_is_that_of_the_changed_assembly(build, push):
-    """Several mechanisms start at each of these limits: the derivatives of one are wrong."""
-    assembly = build()
-    program = program_of(assembly)
-
-    def margin(changed):
-        if push is None:
-            return degrees(changed)
-        return find_limit(changed, gravity_wrench(changed, push)).value
-
-    tilt = find_tilt_margin(program) if push is None else None
-    factor = None if push is None else find_limit(program, gravity_wrench(program, push))
-    for one in what_helps(program, tilt, factor, push, held=()):
-        changed = (
-            with_mu(program, one.parts, one.by)
-            if one.what == "friction"
-            else with_mass(program, one.parts[0], one.by)
-        )
-        assert one.gain > 0
-        assert margin(changed) - margin(program) == pytest.approx(one.gain, rel=1e-6)
-
-
-def test_more_friction_under_one_of_two_equal_slabs_is_not_listed():
-    program = program_of(two_slabs())
-    helps = what_helps(program, find_tilt_margin(program), None, None, held=())
-    assert "friction" not in by_kind(helps)
-
-
-def two_slabs() -> Assembly:
-    """Two equal slabs side by side, which start to slide at the same tilt."""
-    parts = [floor([-5, -5], [5, 5])]
-    parts += [block(f"slab-{k}", [3 * k, 0, 0], [3 * k + 1, 1, 0.2]) for k in range(2)]
-    return Assembly(parts, friction=0.3)
-
-
-def test_what_helps_against_a_given_load():
-    """A load at the middle of a block that slides: its mass and its friction help alike."""
-    slab = stacks.block_on_slope(0.0, friction=0.4)
-    program = program_of(dataclasses.replace(slab, loads=[Load("block", force=[100.0, 0, 0])]))
-    base = program.with_rows(applied=np.zeros_like(program.applied))
-    limit = find_limit(base, program.applied)
-    found = by_kind(what_helps(program, None, limit, None, held=[1]))
-    weight = 9810.0
-    assert limit.value == pytest.approx(0.4 * weight / 100, rel=1e-8)
-    assert found["friction"].gain == pytest.approx(0.1 * weight / 100, rel=1e-6)
-    assert found["mass"].gain == pytest.approx(0.1 * 0.4 * weight / 100, rel=1e-6)
-    assert np.isinf(found["hold"].gain)
 
 
 G = 9.81

@@ -31,7 +31,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "contacts": ("patches", "overlaps", "open_pairs", "bodies", "rejected", "units", "warnings"),
     "margin": (
         "sentence", "verdict", "level", "tilt_deg", "tilt_down", "friction", "load_factor",
-        "helps", "pushes", "units", "warnings",
+        "improvements", "pushes", "units", "warnings",
     ),
     "hold": (
         "sentence", "verdict", "level", "least", "fewest", "supports", "open_pairs", "units",

@@ -392,6 +392,7 @@ def _margin(
         contacts=contacts,
         pushes=True,
         loads=bool(assembly.bonds),
+        improve=free <= HELD_TRIED,
         effort=0,
         progress=tell,
     ).to_dict()

@@ -149,8 +149,8 @@ class MarginOptions:
     )
     part: list[str] | None = option(
         "--part NAME",
-        "Compute the greatest push that this part resists, and the gain in tilt or load if it"
-        " is held. Repeatable.",
+        "Compute the greatest push that this part resists; with --improve, only named parts are "
+        "held in turn. Repeatable.",
         ASKED,
     )
     loads: bool = option(
@@ -163,6 +163,13 @@ class MarginOptions:
         "--bracket",
         "Also compute bounds of the largest load factor if slipping contacts do not dilate. "
         "The load factor itself is the associative limit, which assumes dilation.",
+        ASKED,
+    )
+    improve: bool = option(
+        "--improve",
+        "Also list the changes that raise the tilt margin most, else the load factor, else those "
+        "that lower the least friction: a part to move, to widen, to make lighter or heavier, to "
+        "hold, more friction. Each was tried.",
         ASKED,
     )
     require: str = option(
@@ -217,6 +224,7 @@ def margin(asked: Asked, options: MarginOptions) -> int:
             loads=options.loads,
             ranges=ranges,
             bracket=options.bracket,
+            improve=options.improve,
             require=options.require,
             **asked.shared(find, contacts, progress),
         )

@@ -166,7 +166,7 @@ def margin_card(answers: Everything) -> str:
         name, *words = pushes.row(pushes.items[0])
         weakest = f"{text(' '.join(filter(None, words)))}, {name_html(name)}"
         rows.append(("weakest push", weakest))
-    items = "".join(f"<li>{text(change['sentence'])}</li>" for change in margin["helps"])
+    items = "".join(f"<li>{text(change['sentence'])}</li>" for change in margin["improvements"])
     if items:
         rows.append(("what helps", f"<ul>{items}</ul>"))
     return (

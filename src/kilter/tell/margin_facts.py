@@ -49,8 +49,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
     if "none" in [why for key, why in answer["missing"].items() if key.startswith("push of")]:
         facts.append(("pushes", "no push is resisted: it is not in equilibrium as given"))
     facts += _worst_case(answer["uncertainty"])
-    helps = [remedy["sentence"] for remedy in answer["helps"]]
-    return facts + [("" if k else "helps", words) for k, words in enumerate(helps)]
+    changes = [change["sentence"] for change in answer["improvements"]]
+    return facts + [("" if k else "helps", words) for k, words in enumerate(changes)]
 
 
 def moved_by_least(answer: Answer) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -189,17 +189,39 @@ class Gradient:
         InputError
             If there is no part of this name.
         """
+        found = {}
+        for size, rates in self._size_rates(part):
+            left, right = -self._slope(-rates), self._slope(rates)
+            found[size] = (left, right) if self._cases.sign > 0 else (-left, -right)
+        return found
+
+    @property
+    def cases(self) -> tuple[LimitCase, ...]:
+        """The solved limits of which the least is the limit."""
+        return self._cases.cases
+
+    @property
+    def copied(self) -> bool:
+        """Whether other parts, equal to these, have the same limit."""
+        return self._cases.copied
+
+    def quick_sizes(self, part: str) -> dict[str, float]:
+        """Derivatives toward larger sizes for the chosen optimum: a first guess of `sizes`."""
+        return {
+            size: self._cases.sign * min(slope_of(power, rates) for power in self._powers)
+            for size, rates in self._size_rates(part)
+        }
+
+    def _size_rates(self, part: str) -> Iterator[tuple[str, Rates]]:
+        """Yield each size of a part, with the rates of the data by it."""
         assembly, geometry = self._assembly, self._assembly.geometry
         number = assembly.index_of(part)
-        found = {}
         for size in size_names(assembly.parts[number]):
             rates = no_rates(assembly, self._contacts)
             own = slice(geometry.vertex_start[number], geometry.vertex_start[number + 1])
             moved, rates.center[number], rates.mass[number] = size_rates(assembly, number, size)
             rates.vertices[own] = moved
-            left, right = -self._slope(-rates), self._slope(rates)
-            found[size] = (left, right) if self._cases.sign > 0 else (-left, -right)
-        return found
+            yield size, rates
 
     def vertices(self, part: str) -> Array:
         """Derivatives by each vertex of a part, world axes [unit/length unit], shape (V, 3, 2).

@@ -8,6 +8,8 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ import numpy as np
 from kilter.analysis.check import check
 from kilter.analysis.decision.cascade import fits_left_out
 from kilter.analysis.decision.open_question import open_pair_names
+from kilter.analysis.gradients.gradient import Gradient
 from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.level_limits import Limits
 from kilter.analysis.margins.margin_answer import Bracket, Margin
@@ -58,6 +61,7 @@ def margin(
     loads: bool = False,
     ranges: Ranges | None = None,
     bracket: bool = False,
+    improve: bool = False,
 ) -> Margin:
     """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
@@ -73,13 +77,16 @@ def margin(
         Also the weakest push of each free part. Of more than 50 parts, those that move most
         easily.
     pushed : list of str, optional
-        Only the pushes of these parts, and the gain of holding them.
+        Only the pushes of these parts; with `improve`, only these parts are held in turn.
     loads : bool
         Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional
         Also the worst tilt margin and load factor over these intervals.
     bracket : bool
         Also the load factors up to which no motion that obeys the contact law can start.
+    improve : bool
+        Also changes of the assembly that raise the tilt margin most, each tried; without a tilt
+        margin those for the load factor, or for the least friction.
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
         to which this level is reached. The default is lower than that of `check`, because each
@@ -112,12 +119,12 @@ def margin(
         loads=loads,
         ranges=ranges,
         bracket=bracket,
+        improve=improve,
         require=asked.require,
     )
     verdict = check(asked.but(require=REQUIRE))
-    limits = _limits(question, verdict, asked)
-    seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
-    return Margin(
+    steps, limits = _limits(question, verdict, asked)
+    answer = Margin(
         assembly=asked.assembly,
         contacts=verdict.contact_set,
         check=verdict,
@@ -127,12 +134,31 @@ def margin(
         require=question.require,
         push=question.push,
         clamped_by=tuple(name for name in ("bonds", "straps") if getattr(asked.assembly, name)),
-        seconds=seconds,
+        improvements=(),
+        seconds=verdict.seconds,
         **limits,
     )
+    improvements = steps.tried_changes(partial(_gradient, answer), verdict.contact_set)
+    seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
+    warnings = tuple(steps.warnings)
+    return replace(answer, improvements=improvements, warnings=warnings, seconds=seconds)
 
 
-def _limits(question: MarginQuestion, verdict: Verdict, asked: Question) -> dict[str, Any]:
+def _gradient(answer: Margin) -> Gradient:
+    """The gradient of the limit to improve: tilt, or load factor, or least friction.
+
+    Raises `InputError` if none of them is finite.
+    """
+    tilt, factor = answer.tilt, answer.load_limits and answer.load_limits[1]
+    if tilt is not None and tilt.angle < np.pi / 2:
+        return answer.gradient("tilt")
+    finite = factor is not None and np.isfinite(factor.value)
+    return answer.gradient("load factor" if finite else "friction")
+
+
+def _limits(
+    question: MarginQuestion, verdict: Verdict, asked: Question
+) -> tuple[MarginSteps, dict[str, Any]]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
     assembly, tell = question.assembly, asked.tell
     program = build_program(assembly, verdict.contact_set)
@@ -165,7 +191,7 @@ def _limits(question: MarginQuestion, verdict: Verdict, asked: Question) -> dict
     limits = Limits(friction=friction)
     if program.mu.any():  # without friction, the limits of equilibrium are proved
         limits = Limits(tilt, about, friction, factor or (), question.push, pushes, part_loads)
-    return {
+    return steps, {
         "program": program,
         "level": "equilibrium" if program.mu.any() else "proved",
         **_tilt_keys(gravity),
@@ -184,10 +210,9 @@ def _limits(question: MarginQuestion, verdict: Verdict, asked: Question) -> dict
         "pushes": pushes,
         "loads": part_loads,
         "uncertainty": worst,
-        "helps": steps.helps(tilt, None if factor is None else factor[1]),
         "edges": steps.edges,
         "missing": steps.missing,
-        "warnings": tuple(warnings),
+        "warnings": (),
     }
 
 

@@ -21,8 +21,8 @@ from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.level_limits import LevelLimits
 from kilter.analysis.margins.part_limits import PartLoad, Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin
+from kilter.analysis.margins.tried_changes import TriedChange
 from kilter.analysis.margins.uncertainty import Uncertainty
-from kilter.analysis.margins.what_helps import Help
 from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import TINY, Array, cross
@@ -132,8 +132,9 @@ class Margin(OfAssembly):
     as given, or no friction or factor is enough); "failed", the numbers did."""
     uncertainty: Uncertainty | None
     """The worst case of inexact data; None without ranges, or if there are too many cases."""
-    helps: tuple[Help, ...]
-    """Changes that raise the tilt margin, or else the greatest load factor, most."""
+    improvements: tuple[TriedChange, ...]
+    """Changes that raise the tilt margin, or else the load factor, or lower the least friction
+    most, each tried; empty if they were not requested."""
     warnings: tuple[str, ...]
     """Warnings about the assembly and its contacts."""
     seconds: Seconds

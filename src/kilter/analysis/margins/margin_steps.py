@@ -11,6 +11,7 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import ACROSS_GRAVITY, NOT_HELD
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.gradients.gradient import Gradient
 from kilter.analysis.load_limit import (
     Limit,
     LimitSteps,
@@ -39,17 +40,18 @@ from kilter.analysis.margins.tilt import (
     find_least_tilt,
     find_nearest_held,
 )
+from kilter.analysis.margins.tried_changes import TriedChange, tried_changes
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
-from kilter.analysis.margins.what_helps import Help, what_helps
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
 from kilter.assembly.question import require_plain_joints
+from kilter.contact import ContactSet
 from kilter.contact.round_edges import RoundEdge, round_edges
 from kilter.errors import InputError, some_names
-from kilter.mechanics.certificate import MotionProof, check_motion, part_sizes
-from kilter.mechanics.clusters import clusters, different_clusters, limit_groups
+from kilter.mechanics.certificate import MotionProof, check_motion
+from kilter.mechanics.clusters import limit_groups
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import CONTACT
 from kilter.rigid import unit
@@ -87,6 +89,8 @@ class MarginQuestion:
     """Intervals of the worst case; None: no worst case is computed."""
     bracket: bool
     """Whether the load factor without dilation is also computed."""
+    improve: bool
+    """Whether changes that raise the limits are searched."""
     require: str
     """Level of the further tilt; "equilibrium": no further tilt is computed."""
 
@@ -101,6 +105,7 @@ def margin_question(
     loads: bool,
     ranges: Ranges | None,
     bracket: bool,
+    improve: bool,
     require: str,
 ) -> MarginQuestion:
     """Validate the arguments of `kilter.margin`.
@@ -127,6 +132,7 @@ def margin_question(
         loaded=chosen if loads else [],
         ranges=ranges,
         bracket=bracket,
+        improve=improve,
         require=level,
     )
 
@@ -205,10 +211,6 @@ class MarginSteps(LimitSteps):
     warnings: list[str]
     groups: list[Program] = field(default_factory=list)
     """Programs of groups of parts that do not touch; of equal clusters only the first."""
-    tilts: list[float] = field(default_factory=list)
-    """Tilt of each group [rad]."""
-    factors: list[float] = field(default_factory=list)
-    """Greatest load factor of each group [-]."""
 
     def __post_init__(self) -> None:
         self.groups = limit_groups(self.program)
@@ -295,8 +297,6 @@ class MarginSteps(LimitSteps):
             least, greatest = limits, limits
         else:
             least, greatest = _load_factor(*limits)
-            known = [limit.value for limit in limits[1] if isinstance(limit, Limit)]
-            self.factors = known if program is self.program else self.factors
         whys = [end.why for end in (least, greatest) if isinstance(end, NoLimit)]
         if whys:
             self.missing[name] = next(why for why in ENDS if why in whys)
@@ -325,7 +325,8 @@ class MarginSteps(LimitSteps):
     def warn_of_missing(self) -> None:
         """Add warnings about limits that have no value, and about gains that are not computed."""
         self.warnings += _missing_words(self.missing)
-        if not (self.question.held or self.question.named) and self.program.free.any():
+        large = not (self.question.held or self.question.named) and self.program.free.any()
+        if self.question.improve and large:
             self.warnings.append(
                 f"for more than {HELD_TRIED} free parts, the gain of holding a part is computed "
                 "only for parts that --part NAME names"
@@ -366,27 +367,25 @@ class MarginSteps(LimitSteps):
             self.warnings += found.unknown_words()
         return found
 
-    def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
-        """Changes of the assembly that raise the tilt margin, or else the load factor, most."""
-        of_tilt = tilt is not None and tilt.angle < np.pi / 2
-        limit = tilt.limit if tilt is not None and of_tilt else factor
-        if limit is None or self._has_copies(limit):
+    def tried_changes(
+        self, gradient: Callable[[], Gradient], touching: ContactSet
+    ) -> tuple[TriedChange, ...]:
+        """Changes of the assembly that raise the limit of a gradient most, each tried."""
+        if not self.question.improve:
             return ()
-        limits = self.tilts if of_tilt else self.factors
+        self.tell("changes that help")
         find = partial(
-            what_helps, held=self.question.held, edges=self.edges, others=_second(limits)
+            tried_changes, push=self.question.push, held=self.question.held, work=self.work
         )
-        helps = self.limit("what helps", find, self.program, tilt, factor, self.question.push)
-        return helps or ()
-
-    def _has_copies(self, limit: Limit) -> bool:
-        """Whether another cluster is equal to the one that moves: then no single change helps."""
-        if limit.motion is None or len(parted := clusters(self.program)) < 2:
-            return False
-        fastest = int(part_sizes(self.program, limit.motion.motion, per_radius=False).argmax())
-        same = different_clusters(parted)
-        number = next(k for k, cluster in enumerate(parted) if cluster.program.free[fastest])
-        return bool((same == same[number]).sum() > 1)
+        try:
+            known = gradient()
+        except InputError as error:
+            self.warnings.append(f"no changes were tried: {error.what}")
+            return ()
+        found = self.limit("what helps", find, self.question.assembly, touching, known)
+        if not found and "what helps" not in self.missing:
+            self.warnings.append("no single change that was tried raises the limit")
+        return found or ()
 
     def _nearest(self) -> NearestHeld | NoLimit:
         """The held direction of gravity that is nearest to the given one, which is not held."""
@@ -394,7 +393,7 @@ class MarginSteps(LimitSteps):
 
     def _tilt_or_nearest(self) -> TiltMargin | NearestHeld | NoLimit:
         """The tilt margin; or the nearest held direction, if the given one is proved not held."""
-        tilt, self.tilts = find_least_tilt(self.groups, self.edges, self.tell)
+        tilt = find_least_tilt(self.groups, self.edges, self.tell)
         if isinstance(tilt, TiltMargin):
             return tilt
         nearest = self._nearest()
@@ -420,11 +419,6 @@ class MarginSteps(LimitSteps):
 def _limit_or_none(limit: T | NoLimit | None) -> T | None:
     """The value of a limit; None if it has no value."""
     return None if isinstance(limit, NoLimit) else limit
-
-
-def _second(limits: Sequence[float]) -> float:
-    """The second least of some limits; infinite if there are fewer."""
-    return sorted(limits)[1] if len(limits) > 1 else np.inf
 
 
 def _missing_words(missing: dict[str, Why]) -> list[str]:

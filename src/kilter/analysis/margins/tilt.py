@@ -227,12 +227,8 @@ def _group_tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
 
 def find_least_tilt(
     groups: Sequence[Program], edges: Sequence[RoundEdge], tell: Callable[[str], None]
-) -> tuple[TiltMargin | NoLimit, list[float]]:
-    """The least tilt margin of groups that do not touch, and the tilt of each group [rad].
-
-    The tilt of a group is not exact if it exceeds that of an earlier group. If a group has no tilt
-    margin, the groups after it have none either.
-    """
+) -> TiltMargin | NoLimit:
+    """The least tilt margin of groups that do not touch; none if a group has none."""
     tilts: list[TiltMargin | NoLimit] = []
     least = np.pi / 2
     for count, program in enumerate(groups, 1):
@@ -250,7 +246,7 @@ def find_least_tilt(
     if isinstance(whole, TiltMargin):
         lower, programs = min(t.lower for t in found), sum(t.programs for t in found)
         whole = replace(whole, lower=lower, programs=programs)
-    return whole, [tilt.angle for tilt in found]
+    return whole
 
 
 def find_tilt_margin(
