@@ -9,17 +9,19 @@ assembly, just beyond it a motion starts; both are as near to the limit as they 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import AROUND_LIMIT
 from kilter.analysis.decision.bond_factor import BondFactor
 from kilter.analysis.decision.judge import judge
+from kilter.analysis.gradients.gradient import Gradient, gradient_of
 from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.level_limits import LevelLimits
 from kilter.analysis.margins.part_limits import PartLoad, Push
+from kilter.analysis.margins.solved_limits import limit_cases
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin
 from kilter.analysis.margins.tried_changes import TriedChange
 from kilter.analysis.margins.uncertainty import Uncertainty
@@ -44,9 +46,6 @@ from kilter.tell.record import (
     Word,
     key,
 )
-
-if TYPE_CHECKING:
-    from kilter.analysis.gradients.gradient import Gradient
 
 Change = Callable[[float], dict[str, Any]]
 About = tuple[dict[str, Any], dict[str, Any]]
@@ -192,9 +191,6 @@ class Margin(OfAssembly):
         >>> [round(float(slope), 4) for slope in gradient.center[1, 2]]  # degrees per metre
         [-22.9183, -22.9183]
         """
-        from kilter.analysis.gradients.gradient import gradient_of
-        from kilter.analysis.margins.solved_limits import limit_cases
-
         return gradient_of(self.assembly, self.contacts, limit_cases(self, of, part))
 
     def __repr__(self) -> str:

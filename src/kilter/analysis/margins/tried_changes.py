@@ -80,7 +80,7 @@ class TriedChange(Record):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Candidate:
+class PossibleChange:
     """A change, the gain that the gradient predicts, and the changed assembly."""
 
     what: Kind
@@ -118,7 +118,7 @@ def tried_changes(
 
 def _candidates(
     assembly: Assembly, touching: ContactSet, gradient: Gradient, held: list[int]
-) -> Iterator[list[_Candidate]]:
+) -> Iterator[list[PossibleChange]]:
     """Changes of each kind, with the gains that the gradient predicts."""
     sense = -1.0 if gradient.of == "friction" else 1.0
     free = np.flatnonzero(~assembly.geometry.grounded).tolist()
@@ -146,7 +146,7 @@ def _rounded(length: float) -> float:
 
 def _moves(
     assembly: Assembly, touching: ContactSet, gradient: Gradient, k: int, sense: float
-) -> Iterator[_Candidate]:
+) -> Iterator[PossibleChange]:
     """Movements of a part along all of its contacts."""
     normals, part = _normals(touching, k), assembly.parts[k]
     slopes = gradient.position[k]
@@ -162,7 +162,7 @@ def _moves(
         for sign in (1.0, -1.0):
             along = sign * axis
             slope = float(sum(x * slopes[j, int(x > 0)] for j, x in enumerate(along)))
-            yield _Candidate(
+            yield PossibleChange(
                 "move",
                 (part.name,),
                 sense * step * slope,
@@ -195,14 +195,16 @@ def _with_pairs(assembly: Assembly, pairs: list[FrictionPair]) -> Assembly:
     return replace(assembly, friction_pairs=pairs)
 
 
-def _masses(assembly: Assembly, gradient: Gradient, k: int, sense: float) -> Iterator[_Candidate]:
+def _masses(
+    assembly: Assembly, gradient: Gradient, k: int, sense: float
+) -> Iterator[PossibleChange]:
     """A part that is heavier, and one that is lighter."""
     part = assembly.parts[k]
     step = float(f"{MORE_MASS * float(assembly.geometry.mass[k]):.2g}")
     for sign, side in ((1.0, 1), (-1.0, 0)):
         predicted = sense * sign * step * float(gradient.mass[k, side])
         mass = float(assembly.geometry.mass[k]) + sign * step
-        yield _Candidate(
+        yield PossibleChange(
             "mass",
             (part.name,),
             predicted,
@@ -213,7 +215,7 @@ def _masses(assembly: Assembly, gradient: Gradient, k: int, sense: float) -> Ite
 
 def _frictions(
     assembly: Assembly, touching: ContactSet, gradient: Gradient, sense: float
-) -> Iterator[_Candidate]:
+) -> Iterator[PossibleChange]:
     """More friction between two parts."""
     listed = {frozenset(contact.parts) for contact in assembly.contacts}
     ends = np.sort(touching.patch_parts, axis=1)
@@ -224,7 +226,7 @@ def _frictions(
             continue
         entry = FrictionPair(pair, float(mu[0]) + MORE_FRICTION)
         others = [each for each in assembly.friction_pairs if set(each.parts) != set(pair)]
-        yield _Candidate(
+        yield PossibleChange(
             "friction",
             pair,
             sense * MORE_FRICTION * float(gradient.friction[number_, 1]),
@@ -235,7 +237,7 @@ def _frictions(
 
 def _sizes(
     assembly: Assembly, touching: ContactSet, gradient: Gradient, k: int, sense: float
-) -> Iterator[_Candidate]:
+) -> Iterator[PossibleChange]:
     """A larger size of a part, along all of its contacts."""
     part, normals = assembly.parts[k], _normals(touching, k)
     if not len(normals):
@@ -246,7 +248,7 @@ def _sizes(
         axes = {"x": [0], "y": [1], "z": [2], "radius": [0, 1], "height": [2], "depth": [1]}[size]
         if (own[:, axes] > ALONG).any() or (assembly.planar and size in ("y", "depth")):
             continue
-        yield _Candidate(
+        yield PossibleChange(
             "size",
             (part.name,),
             sense * step * slope,
@@ -268,7 +270,7 @@ def _grown(part: Part, size: str, step: float) -> Part:
     return replace(part, shape=Cylinder(radius, shape.height + step * (size == "height")))
 
 
-def _holds(assembly: Assembly, case: LimitCase, held: list[int]) -> list[_Candidate]:
+def _holds(assembly: Assembly, case: LimitCase, held: list[int]) -> list[PossibleChange]:
     """The parts that drive the mechanism most, held."""
     solved = case.solved
     program, motion = solved.program, solved.motion
@@ -278,7 +280,7 @@ def _holds(assembly: Assembly, case: LimitCase, held: list[int]) -> list[_Candid
     moving = [k for k in held if program.free[k] and size[k] > MOVES * size.max()]
     driving = sorted(moving, key=lambda k: -power[k])[:HELD]
     return [
-        _Candidate(
+        PossibleChange(
             "hold",
             (program.names[k],),
             np.inf,
@@ -296,7 +298,11 @@ def _held(assembly: Assembly, k: int) -> Assembly:
 
 
 def _tried(
-    candidate: _Candidate, assembly: Assembly, gradient: Gradient, push: Array | None, work: Work
+    candidate: PossibleChange,
+    assembly: Assembly,
+    gradient: Gradient,
+    push: Array | None,
+    work: Work,
 ) -> TriedChange | None:
     """A change that gains and leaves the assembly standing; else None."""
     changed = candidate.build()
@@ -326,7 +332,7 @@ def _tried(
 
 
 def _sentence(
-    candidate: _Candidate, units: str, gradient: Gradient, value: float, gain: float
+    candidate: PossibleChange, units: str, gradient: Gradient, value: float, gain: float
 ) -> str:
     """The change and its gain in words."""
     names, amount = [repr(name) for name in candidate.parts], candidate.by or 0.0
