@@ -225,8 +225,9 @@ class Verdict(InCells, SupportedAnswer):
     @on_one_thread
     def better_up(self) -> str | None:
         """Upward axis with which it holds although it holds on no rung with z up; else None."""
-        held = self.level is not None or any(row.level is not None for row in self.ladder)
-        if self.drawn is None or held or self.time_limit is not None:
+        if self.drawn is None or not self.drawn.up_assumed or self.time_limit is not None:
+            return None
+        if self.level is not None or any(row.level is not None for row in self.ladder):
             return None
         axis: str | None = hook("better_up")(self.drawn, self.drawn_contacts)
         return axis
