@@ -910,6 +910,8 @@ def margin(
     ranges: Ranges | None = None,
     bracket: bool = False,
     improve: bool = False,
+    make_stand: Sequence[str] | None = None,
+    stand_tilt_deg: float = 2.0,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     require: str = "equilibrium",
@@ -942,6 +944,11 @@ def margin(
     improve : bool
         Also changes of the assembly that raise the tilt margin most, each tried; without a tilt
         margin those for the load factor, or for the least friction.
+    make_stand : list of {"move", "mass", "size", "friction"}, optional
+        Also the least change of these kinds after which the assembly stands: parts moved along
+        their contacts, other masses, larger sizes across the contacts, more friction.
+    stand_tilt_deg : float
+        Tilt margin with which it then stands [deg].
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
         to which this level is reached. The default is lower than that of `check`, because each
@@ -978,7 +985,8 @@ def margin(
     InputError
         If a direction is of length zero, the axis is not across gravity, or a part is held or
         unknown, also one that a load pulls on; if `about` comes with bonds or loads, or `ranges`
-        with bonds.
+        with bonds; if a kind of change is unknown, or `make_stand` comes with bonds, straps, joints
+        or loads.
 
     See Also
     --------

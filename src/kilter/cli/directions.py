@@ -172,6 +172,22 @@ class MarginOptions:
         "hold, more friction. Each was tried.",
         ASKED,
     )
+    make_stand: bool = option(
+        "--make-stand",
+        "Also find the least change after which the assembly stands with the tilt margin of "
+        "--tilt; the changed assembly is proved to stand.",
+        ASKED,
+    )
+    allow: str = option(
+        "--allow KINDS",
+        "Changes that --make-stand may make, separated by commas: move (along the contacts), mass, "
+        "size (across the contacts), friction.",
+        ASKED,
+        default="move,mass",
+    )
+    tilt: float = option(
+        "--tilt DEG", "Tilt margin that --make-stand seeks [deg].", ASKED, default=2.0
+    )
     require: str = option(
         "--require LEVEL",
         "Level of the limits: equilibrium, settles, proved or strict. Other commands require "
@@ -225,6 +241,8 @@ def margin(asked: Asked, options: MarginOptions) -> int:
             ranges=ranges,
             bracket=options.bracket,
             improve=options.improve,
+            make_stand=options.allow.split(",") if options.make_stand else None,
+            stand_tilt_deg=options.tilt,
             require=options.require,
             **asked.shared(find, contacts, progress),
         )

@@ -50,7 +50,22 @@ def margin_facts(answer: Answer) -> list[Fact]:
         facts.append(("pushes", "no push is resisted: it is not in equilibrium as given"))
     facts += _worst_case(answer["uncertainty"])
     changes = [change["sentence"] for change in answer["improvements"]]
-    return facts + [("" if k else "helps", words) for k, words in enumerate(changes)]
+    facts += [("" if k else "helps", words) for k, words in enumerate(changes)]
+    return facts + _made_stand(answer["made_stand"])
+
+
+def _made_stand(made: Answer | None) -> list[Fact]:
+    """Return the lines of the least change after which it stands."""
+    if made is None:
+        return []
+    required = angle(made["required_deg"])
+    if not made["stands"]:
+        return [
+            ("to stand", f"no change was found after which it stands up to a tilt of {required}")
+        ]
+    changes = [change["sentence"] for change in made["changes"]] or ["no change is needed"]
+    done = f"then it stands up to a tilt of {angle(made['tilt_deg'])}, which is proved"
+    return [("" if k else "to stand", words) for k, words in enumerate([*changes, done])]
 
 
 def moved_by_least(answer: Answer) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -20,6 +21,7 @@ from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.gradients.gradient import Gradient
 from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.level_limits import Limits
+from kilter.analysis.margins.make_stand import find_standing, require_standable
 from kilter.analysis.margins.margin_answer import Bracket, Margin
 from kilter.analysis.margins.margin_steps import MarginQuestion, MarginSteps, margin_question
 from kilter.analysis.margins.tilt import NearestHeld, TiltMargin, tilt_about
@@ -34,6 +36,9 @@ from kilter.tell.levels import REQUIRE
 from kilter.tell.record import (
     Ends,
 )
+
+STAND_TILT = 2.0
+"""Default of the tilt margin of an assembly that is made to stand [deg]."""
 
 
 def _interval(factor: tuple[Limit | None, Limit | None] | None) -> Ends | None:
@@ -62,6 +67,8 @@ def margin(
     ranges: Ranges | None = None,
     bracket: bool = False,
     improve: bool = False,
+    make_stand: Sequence[str] | None = None,
+    stand_tilt_deg: float = STAND_TILT,
 ) -> Margin:
     """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
@@ -87,6 +94,11 @@ def margin(
     improve : bool
         Also changes of the assembly that raise the tilt margin most, each tried; without a tilt
         margin those for the load factor, or for the least friction.
+    make_stand : list of {"move", "mass", "size", "friction"}, optional
+        Also the least change of these kinds after which the assembly stands: parts moved along
+        their contacts, other masses, larger sizes across the contacts, more friction.
+    stand_tilt_deg : float
+        Tilt margin with which it then stands [deg].
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
         to which this level is reached. The default is lower than that of `check`, because each
@@ -97,7 +109,8 @@ def margin(
     InputError
         If a direction is of length zero, the axis is not across gravity, or a part is held or
         unknown, also one that a load pulls on; if `about` comes with bonds or loads, or `ranges`
-        with bonds.
+        with bonds; if a kind of change is unknown, or `make_stand` comes with bonds, straps, joints
+        or loads.
 
     See Also
     --------
@@ -122,6 +135,7 @@ def margin(
         improve=improve,
         require=asked.require,
     )
+    kinds = None if make_stand is None else require_standable(question.assembly, make_stand)
     verdict = check(asked.but(require=REQUIRE))
     steps, limits = _limits(question, verdict, asked)
     answer = Margin(
@@ -135,13 +149,23 @@ def margin(
         push=question.push,
         clamped_by=tuple(name for name in ("bonds", "straps") if getattr(asked.assembly, name)),
         improvements=(),
+        made_stand=None,
         seconds=verdict.seconds,
         **limits,
     )
     improvements = steps.tried_changes(partial(_gradient, answer), verdict.contact_set)
+    made = None
+    if kinds is not None:
+        find = partial(find_standing, kinds=kinds, tilt_deg=stand_tilt_deg, work=steps.work)
+        made = steps.limit("make stand", find, asked.assembly, verdict.contact_set)
     seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
-    warnings = tuple(steps.warnings)
-    return replace(answer, improvements=improvements, warnings=warnings, seconds=seconds)
+    return replace(
+        answer,
+        improvements=improvements,
+        made_stand=made,
+        warnings=tuple(steps.warnings),
+        seconds=seconds,
+    )
 
 
 def _gradient(answer: Margin) -> Gradient:

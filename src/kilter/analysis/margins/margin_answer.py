@@ -20,6 +20,7 @@ from kilter.analysis.gradients.gradient import Gradient, gradient_of
 from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.level_limits import LevelLimits
+from kilter.analysis.margins.make_stand import MadeStand
 from kilter.analysis.margins.part_limits import PartLoad, Push
 from kilter.analysis.margins.solved_limits import limit_cases
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin
@@ -134,6 +135,8 @@ class Margin(OfAssembly):
     improvements: tuple[TriedChange, ...]
     """Changes that raise the tilt margin, or else the load factor, or lower the least friction
     most, each tried; empty if they were not requested."""
+    made_stand: MadeStand | None
+    """The least change after which it stands with a tilt margin; null if it was not requested."""
     warnings: tuple[str, ...]
     """Warnings about the assembly and its contacts."""
     seconds: Seconds

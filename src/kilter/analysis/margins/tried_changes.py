@@ -19,6 +19,7 @@ from kilter.analysis.analysis_tolerances import MOVES, NO_GAIN
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.gradients.gradient import Gradient
 from kilter.analysis.gradients.limit_case import LimitCase
+from kilter.analysis.gradients.shape_rates import size_names
 from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench, least_limit
 from kilter.analysis.margins.least_friction import find_group_friction
 from kilter.analysis.margins.tilt import find_least_tilt
@@ -49,6 +50,8 @@ MOVED = 0.02
 """Movement, and growth of a size, as a share of the size of the part [-]; rounded."""
 ALONG = 1e-6
 """A contact normal across a direction has at most this component along it [-]."""
+SIZE_AXES = {"x": (0,), "y": (1,), "z": (2,), "radius": (0, 1), "height": (2,), "depth": (1,)}
+"""Own axes of a part along which a size grows."""
 STANDS = ("stable", "settles", "balanced", "potentially-stable")
 Kind = Literal["move", "mass", "friction", "size", "hold"]
 
@@ -148,17 +151,11 @@ def _moves(
     assembly: Assembly, touching: ContactSet, gradient: Gradient, k: int, sense: float
 ) -> Iterator[PossibleChange]:
     """Movements of a part along all of its contacts."""
-    normals, part = _normals(touching, k), assembly.parts[k]
-    slopes = gradient.position[k]
-    if not len(normals) or np.isnan(slopes).any():
+    part, slopes = assembly.parts[k], gradient.position[k]
+    if np.isnan(slopes).any():
         return
     step = _rounded(MOVED * float(assembly.geometry.size[k]))
-    axes = list(np.eye(3))
-    if not any((np.abs(normals @ axis) <= ALONG).all() for axis in axes):
-        axes = list(across(normals[0]))
-    for axis in axes:
-        if (np.abs(normals @ axis) > ALONG).any() or (assembly.planar and abs(axis[1]) > ALONG):
-            continue
+    for axis in moving_axes(assembly, touching, k):
         for sign in (1.0, -1.0):
             along = sign * axis
             slope = float(sum(x * slopes[j, int(x > 0)] for j, x in enumerate(along)))
@@ -170,6 +167,18 @@ def _moves(
                 by=step,
                 along=along,
             )
+
+
+def moving_axes(assembly: Assembly, touching: ContactSet, k: int) -> list[Array]:
+    """Unit directions along all contacts of a part: world axes, or those of a single plane."""
+    normals = _normals(touching, k)
+    if not len(normals):
+        return []
+    axes = list(np.eye(3))
+    if not any((np.abs(normals @ axis) <= ALONG).all() for axis in axes):
+        axes = list(across(normals[0]))
+    along = [axis for axis in axes if (np.abs(normals @ axis) <= ALONG).all()]
+    return [axis for axis in along if not (assembly.planar and abs(axis[1]) > ALONG)]
 
 
 def _moved(assembly: Assembly, k: int, step: Array) -> Assembly:
@@ -185,7 +194,7 @@ def _with_part(assembly: Assembly, k: int, part: Part) -> Assembly:
     return replace(assembly, parts=parts)
 
 
-def _weighing(part: Part, mass: float) -> Part:
+def weighing(part: Part, mass: float) -> Part:
     """Copy of a part with a given mass."""
     return replace(part, given_mass=mass)
 
@@ -208,7 +217,7 @@ def _masses(
             "mass",
             (part.name,),
             predicted,
-            partial(_with_part, assembly, k, _weighing(part, mass)),
+            partial(_with_part, assembly, k, weighing(part, mass)),
             by=sign * step,
         )
 
@@ -235,30 +244,37 @@ def _frictions(
         )
 
 
+def growing_sizes(assembly: Assembly, touching: ContactSet, k: int) -> list[str]:
+    """Names of the sizes of a part that grow along all of its contacts."""
+    part, normals = assembly.parts[k], _normals(touching, k)
+    if not len(normals):
+        return []
+    own = np.abs(normals @ part.pose.matrix).max(axis=0) > ALONG
+    flat = ("y", "depth") if assembly.planar else ()
+    names = [size for size in size_names(part) if size not in flat]
+    return [size for size in names if not own[list(SIZE_AXES[size])].any()]
+
+
 def _sizes(
     assembly: Assembly, touching: ContactSet, gradient: Gradient, k: int, sense: float
 ) -> Iterator[PossibleChange]:
     """A larger size of a part, along all of its contacts."""
-    part, normals = assembly.parts[k], _normals(touching, k)
-    if not len(normals):
-        return
-    own = np.abs(normals @ part.pose.matrix)
+    part = assembly.parts[k]
+    names = growing_sizes(assembly, touching, k)
     step = _rounded(MOVED * float(assembly.geometry.size[k]))
-    for size, slope in gradient.quick_sizes(part.name).items():
-        axes = {"x": [0], "y": [1], "z": [2], "radius": [0, 1], "height": [2], "depth": [1]}[size]
-        if (own[:, axes] > ALONG).any() or (assembly.planar and size in ("y", "depth")):
-            continue
+    slopes = gradient.quick_sizes(part.name) if names else {}
+    for size in names:
         yield PossibleChange(
             "size",
             (part.name,),
-            sense * step * slope,
-            partial(_with_part, assembly, k, _grown(part, size, step)),
+            sense * step * slopes[size],
+            partial(_with_part, assembly, k, grown(part, size, step)),
             by=step,
             size=size,
         )
 
 
-def _grown(part: Part, size: str, step: float) -> Part:
+def grown(part: Part, size: str, step: float) -> Part:
     """Copy of a part of which a size is larger."""
     shape = part.shape
     if isinstance(shape, Box):
