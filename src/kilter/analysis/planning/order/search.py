@@ -423,9 +423,10 @@ class OrderSearch:
 
     def note(self, order: list[Removed], hold: int) -> None:
         """Store an order if it is the longest so far, and report progress then."""
-        if sum(len(out.parts) for out in order) > sum(len(out.parts) for out in self.best):
+        present = order[-1].state.present
+        if not self.best or present.sum() < self.best[-1].state.present.sum():
             self.best = order.copy()
-            left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
+            left = (present & ~mask_of(self.base, len(self._near))).sum()
             self.work.tell(f"order: {left} parts to place, {hold} held")
 
     def removals(
