@@ -24,6 +24,7 @@ BESIDE = {
     "common_region",
     "fastened",
     "dump",
+    "limit",
     "load",
     "load_answer",
     "settle_states",

@@ -14,6 +14,8 @@ from kilter.analysis.many.settle_states import SettledStates as SettledStates
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
 from kilter.analysis.margins.improve import Improvement as Improvement
 from kilter.analysis.margins.margin_answer import Margin as Margin
+from kilter.analysis.margins.parameter_limit import ParameterLimit as ParameterLimit
+from kilter.analysis.margins.parameter_limit import limit as limit
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.placing.check_plan import CheckedPlan as CheckedPlan
 from kilter.analysis.placing.piles.pile import Pile as Pile
