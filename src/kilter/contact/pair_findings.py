@@ -151,41 +151,48 @@ class Family(NamedTuple):
 
     name: str
     is_present: Callable[[FacePatches], bool]
-    find: Callable[[FacePatches], Findings]
+    find: Callable[[FacePatches, bool], Findings]
+    """Its second argument: whether contacts without a formula are searched for."""
 
 
-def _find_curved(faces: FacePatches) -> CurvedFindings:
+def _find_curved(faces: FacePatches, _: bool) -> CurvedFindings:
     from kilter.contact.curved.curved_contacts import find_curved
 
     return find_curved(faces)
 
 
-def _find_sharp(faces: FacePatches) -> Findings:
+def _find_sharp(faces: FacePatches, unmodelled: bool) -> Findings:
     from kilter.contact.sharp.sharp_contacts import find_sharp
 
-    return find_sharp(faces)
+    return find_sharp(faces, unmodelled=unmodelled)
 
 
 FAMILIES = (
-    Family("smooth", lambda faces: bool(may_be_smooth(faces.search).any()), find_smooth),
-    Family("flat", lambda faces: True, find_flat),
+    Family(
+        "smooth",
+        lambda faces: bool(may_be_smooth(faces.search).any()),
+        lambda faces, _: find_smooth(faces),
+    ),
+    Family("flat", lambda faces: True, lambda faces, _: find_flat(faces)),
     Family("curved", lambda faces: len(faces.search.geometry.surfaces) > 0, _find_curved),
     Family("sharp", lambda faces: not is_settled(faces).all(), _find_sharp),
 )
 """Families in the order of their search: each may use the findings of those before it."""
 
 
-def find_families(search: ContactSearch) -> FacePatches:
+def find_families(search: ContactSearch, *, unmodelled: bool = True) -> FacePatches:
     """Find the contacts of all families for all pairs of a search, without overlaps.
 
     A family that is absent is skipped, and its modules are not imported.
+
+    `unmodelled`: whether contacts of edges without a formula are searched for, too.
 
     Raises `TimeLimitReached` if the limit of `kilter.work.stop_after` is reached.
     """
     found = FacePatches(search)
     for family in FAMILIES:
         if family.is_present(found):
-            of_family: dict[str, Any] = {family.name: family.find(found)}
+            of_family: dict[str, Any] = {family.name: family.find(found, unmodelled)}
             found = replace(found, **of_family)
             stop_if_late()
     return found

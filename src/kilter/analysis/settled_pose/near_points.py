@@ -475,7 +475,7 @@ def _families(search: ContactSearch, reach: float) -> FacePatches:
     every = np.ones(len(search.pairs), dtype=bool)
     near = replace(found, search=_restricted(search, every, limit))
     near = replace(near, flat=find_flat(near))
-    return replace(found, sharp=find_sharp(near))
+    return replace(found, sharp=find_sharp(near, unmodelled=False))
 
 
 def _patches_of(search: ContactSearch, patches: Patches) -> NearPoints:

@@ -200,7 +200,8 @@ def _height_on_surfaces(
         pose = falling.pose
         moved = replace(falling, pose=Pose(pose.position + found * down, pose.rotation))
         both = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
-        faces = find_families(begin_search(both, Tolerance(gap=4 * slack), lambda stage: None))
+        search = begin_search(both, Tolerance(gap=4 * slack), lambda stage: None)
+        faces = find_families(search, unmodelled=False)
         near = Patches.join(
             [of.patches for of in (faces.smooth, faces.flat, faces.curved, faces.sharp)]
         )

@@ -315,3 +315,19 @@ def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
         side = -side  # the corners run clockwise
     inside: Mask = level & (side >= -slack).all(axis=1)
     return inside
+
+
+def triangles_on_flat(face_patches: FacePatches, pair: int, triangles: Array, slack: float) -> Mask:
+    """Mask of triangles, shape (n, 3, 3), that lie within `slack` of a single flat patch of a pair.
+
+    All their points do, because the points within `slack` of a patch form a convex body.
+    """
+    flat = face_patches.flat.patches
+    lies = np.zeros(len(triangles), dtype=bool)
+    for patch in flat.of_pair(pair):
+        rest = np.flatnonzero(~lies)
+        near = on_flat(
+            triangles[rest].reshape(-1, 3), flat.corners(patch), flat.normal[patch], slack
+        )
+        lies[rest] = near.reshape(-1, 3).all(axis=1)
+    return lies

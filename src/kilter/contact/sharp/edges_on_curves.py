@@ -23,7 +23,7 @@ from kilter.contact.common.broad import Boxes, joins
 from kilter.contact.common.distances import near_triangles
 from kilter.contact.common.edges import Edges
 from kilter.contact.common.facets import Facets
-from kilter.contact.common.findings import CurvedFindings, FacePatches, explained
+from kilter.contact.common.findings import CurvedFindings, FacePatches, explained, triangles_on_flat
 from kilter.contact.common.patches import PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import FACETED_ANGLE, SMOOTH_ANGLE
 from kilter.contact.curved.rims import Force, possible_forces
@@ -289,7 +289,7 @@ def round_contacts(
             continue
         before = len(points_of_pair.get(pair, ()))
         faces = chosen[chosen[:, 0] == pair, 1:]
-        for point in _close_triangles(geometry, pairs[pair], faces, float(reach[pair])):
+        for point in _close_triangles(face_patches, pair, faces, float(reach[pair])):
             add_points(np.full(len(point), pair), point, np.full(len(point), -1))
             if len(points_of_pair.get(pair, ())) > before:
                 break
@@ -358,13 +358,15 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
 
 
 def _close_triangles(
-    geometry: Geometry, parts: Index, faces: Index, tolerance: float
+    face_patches: FacePatches, pair: int, faces: Index, tolerance: float
 ) -> Iterator[Array]:
-    """Points, shape (n, 3), at which triangulated faces of two parts come within the tolerance.
+    """Points, shape (n, 3), at which triangulated faces of a pair come within the tolerance.
 
-    They come in blocks. `faces`, shape (m, 2): a surface of each part, or -1 for its flat
-    triangles. The tolerance includes the sagittas, the distances of triangles from true surfaces.
+    They come in blocks; points that a flat patch surely explains are left out. `faces`, shape (m,
+    2): a surface of each part, or -1 for its flat triangles. The tolerance includes the sagittas,
+    the distances of triangles from true surfaces.
     """
+    geometry, parts = face_patches.search.geometry, face_patches.search.pairs[pair]
     s = geometry.surfaces
     sagitta, width = np.append(s.sagitta, 0.0), len(s) + 1
     sides, labels = [], []
@@ -378,9 +380,19 @@ def _close_triangles(
     owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
     widest = tolerance + float(sagitta[faces].sum(axis=1).max())
     key = (faces + 1) @ [width, 1]
+    # a point is at most half the widest gap from both of its triangles
+    zone = tolerance + 2 * float(geometry.slack[parts].max()) - widest / 2
+    on_patch = []
+    for side, (low, high), (first, last) in zip(sides, boxes, boxes[::-1], strict=True):
+        beside = low <= last.max(axis=0, initial=-np.inf) + widest
+        beside &= high >= first.min(axis=0, initial=np.inf) - widest
+        explains = beside.all(axis=1)
+        explains[explains] = triangles_on_flat(face_patches, pair, side[explains], zone)
+        on_patch.append(explains)
     for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([widest])):
         on = np.column_stack([labels[0][i], labels[1][j]])
-        kept = np.flatnonzero(np.isin((on + 1) @ [width, 1], key))
+        kept = np.isin((on + 1) @ [width, 1], key) & ~(on_patch[0][i] | on_patch[1][j])
+        kept = np.flatnonzero(kept)
         for few in np.array_split(kept, 1 + len(kept) // TRIANGLES):
             grow = tolerance + sagitta[on[few]].sum(axis=1)
             yield near_triangles(sides[0][i[few]], sides[1][j[few]], grow)

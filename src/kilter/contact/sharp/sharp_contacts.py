@@ -20,6 +20,7 @@ facet as points; every other point is a patch of its own.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -209,8 +210,12 @@ class _SharpSearch:
         return self.face_patches.search.limits.gap
 
 
-def find_sharp(face_patches: FacePatches) -> Findings:
-    """Find contacts at corners, edges and round faces that the patches so far do not explain."""
+def find_sharp(face_patches: FacePatches, *, unmodelled: bool = True) -> Findings:
+    """Find contacts at corners, edges and round faces that the patches so far do not explain.
+
+    `unmodelled`: whether contacts without a definite normal or without a formula are searched for
+    beside the patches.
+    """
     search, boxes = face_patches.search, face_patches.search.boxes
     a, b = search.pairs.T
     open_pairs = ~is_settled(face_patches)
@@ -231,11 +236,17 @@ def find_sharp(face_patches: FacePatches) -> Findings:
     all_pushes, clauses = _normals(near, candidates)
     pushes, clauses = _without_explained(candidates, all_pushes, clauses, face_patches)
     patches = edge_contacts(search, edges, candidates, pushes)
-    degenerate = _degenerate_points(near, candidates, clauses, all_pushes)
-    rounds, touching = _round_contacts(near, round_rows, reach)
-    return Findings(
+    touching, left = _edges_on_round_faces(near, round_rows, reach)
+    found = Findings(
         patches=Patches.join([patches, touching.patches(search)]).ordered(),
         rejected=touching.rejected(search),
+    )
+    if not unmodelled:
+        return found
+    degenerate = _degenerate_points(near, candidates, clauses, all_pushes)
+    rounds = _round_contacts(near, round_rows, touching, left, reach)
+    return replace(
+        found,
         unsupported=(*_unsupported_of(degenerate, search.geometry), *rounds.unsupported),
         possible=rounds.possible,
         degenerate=degenerate,
@@ -306,17 +317,18 @@ def _reach(face_patches: FacePatches) -> Array:
     return np.asarray(np.maximum(limits.closed, loose))
 
 
-def _round_contacts(
+def _edges_on_round_faces(
     near: _SharpSearch, rows: Index, reach: Array
-) -> tuple[RoundContacts, EdgeTouching]:
-    """Contacts on or beside curved faces of the pairs `rows`.
+) -> tuple[EdgeTouching, tuple[Meetings, Sequence[NearFaces]]]:
+    """Contacts of edges on or beside curved faces of the pairs `rows`, and features without.
 
     Edges between exact faces have contact formulas. Other edges are given by triangles, which lie
-    off their surfaces by up to the slack: their contacts are searched for within it.
+    off their surfaces by up to the slack: the second result has the meeting points and the edges
+    near faces whose contacts have no formula.
     """
     touching = EdgeTouching()
     if not len(rows):
-        return RoundContacts(), touching
+        return touching, (Meetings.join([]), ())
     geometry, face_patches = near.geometry, near.face_patches
     curves = EdgeCurves(geometry, face_patches.search.facets, near.edges)
     candidates = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))
@@ -335,7 +347,23 @@ def _round_contacts(
     edges_on_edges(face_patches.search, curves, beside, reach, touching)
     tips_on_edges(face_patches.search, curves, rows, reach, touching)
     touching = _unexplained(face_patches, touching, reach)
-    candidates = candidates.take(np.flatnonzero(~exact))
+    return touching, (candidates.take(np.flatnonzero(~exact)), others)
+
+
+def _round_contacts(
+    near: _SharpSearch,
+    rows: Index,
+    touching: EdgeTouching,
+    left: tuple[Meetings, Sequence[NearFaces]],
+    reach: Array,
+) -> RoundContacts:
+    """Contacts without a formula at curved faces of the pairs `rows`, searched within the slack.
+
+    `touching`, `left`: the results of `_edges_on_round_faces`.
+    """
+    if not len(rows):
+        return RoundContacts()
+    face_patches, (candidates, others) = near.face_patches, left
     pushes, clauses = _without_explained(candidates, *_normals(near, candidates), face_patches)
     on_rim = np.concatenate([pushes.meeting, clauses.meeting])
     rims = (
@@ -346,7 +374,7 @@ def _round_contacts(
     )
     rounds = round_contacts(face_patches, near.edges, rows, rims, (others[0], others[1]), reach)
     possible = PossibleContacts.join([rounds.possible, touching.possible(face_patches.search)])
-    return replace(rounds, possible=possible), touching
+    return replace(rounds, possible=possible)
 
 
 def _edges_explained(near: _SharpSearch, pair: Index, edge: Index, reach: Array) -> Mask:

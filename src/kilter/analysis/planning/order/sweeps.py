@@ -361,7 +361,8 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     the triangles. Slivers that come from the rounding of touching outlines do not count. The pairs
     of faces are compared in the order of the least heights at which they may meet.
     """
-    exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
+    exits = _beneath(moving, np.flatnonzero(moving.facing > ALONG), still)
+    entries = _beneath(still, np.flatnonzero(still.facing < -ALONG), moving)
     above = moving.height[exits].min(initial=np.inf)
     entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
     if not len(exits) or not len(entries):
@@ -395,6 +396,15 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
         meets = (lowest - MEETS * slack[rows][ahead])[curved]
         may_meet = min(may_meet, float(meets.min(initial=np.inf)))
     return least, not may_meet < least
+
+
+def _beneath(shadow: _Shadow, faces: Index, other: _Shadow) -> Index:
+    """The faces of a projection that reach the projected box of another one."""
+    low, high = other.plane.min(axis=(0, 1)), other.plane.max(axis=(0, 1))
+    plane = shadow.plane[faces]
+    near = (plane.max(axis=1) >= low) & (plane.min(axis=1) <= high)
+    kept: Index = faces[near.all(axis=1)]
+    return kept
 
 
 def _near_faces(
