@@ -20,9 +20,9 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
-from kilter.arrays import Array, Mask
+from kilter.arrays import Array
 from kilter.assembly.bonds import Bond, require_apart
-from kilter.assembly.changed_copies import ChangedCopies, lowest_height
+from kilter.assembly.changed_copies import ChangedCopies, bounds
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, ListedJoint, Load
 from kilter.assembly.part import GROUND, Part
@@ -341,7 +341,7 @@ class Assembly(ChangedCopies):
 
         World frame [length unit]. The box contains the exact curved surfaces.
         """
-        return self._bounds_of(np.ones(len(self.parts), dtype=bool))
+        return frozen(bounds(self.geometry, np.ones(len(self.parts), dtype=bool)))
 
     @property
     def size(self) -> Array:
@@ -350,14 +350,8 @@ class Assembly(ChangedCopies):
         World frame [length unit]. They contain the exact curved surfaces.
         """
         free = ~self.geometry.grounded
-        low, high = self._bounds_of(free if free.any() else ~free)
+        low, high = bounds(self.geometry, free if free.any() else ~free)
         return frozen(high - low)
-
-    def _bounds_of(self, chosen: Mask) -> Array:
-        """Lower and upper corner of the bounding box of the chosen parts, shape (2, 3)."""
-        low = [lowest_height(self.geometry, axis, chosen) for axis in np.eye(3)]
-        high = [-lowest_height(self.geometry, -axis, chosen) for axis in np.eye(3)]
-        return frozen([low, high])
 
     @property
     def mass(self) -> float:

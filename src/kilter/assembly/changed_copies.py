@@ -294,6 +294,8 @@ GOLDEN = (np.sqrt(5.0) - 1) / 2
 """Ratio of successive intervals of a golden-section search [-]."""
 PRUNED = 0, 3, 6, 9
 """Golden-section steps after which edges that cannot reach the lowest known point are left out."""
+LEVEL = 1e-15
+"""Largest sine of the angle between the normal of a level face and the vertical [-]."""
 INTERVAL = 10.0
 """Descent that is possible in an interval of a golden-section search, over the distance of its two
 inner points, which is .24 of the interval [-]."""
@@ -312,21 +314,44 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
     (True, array([-1.]))
     """
     low: Array = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
-    return _lowered(geometry, up, low)
+    return _lowered(geometry, up, low, _longest_sides(geometry))
 
 
-def lowest_height(geometry: Geometry, up: Array, chosen: Mask | None = None) -> float:
-    """Height of the lowest point of the chosen parts (N,), or of all, along an upward vector."""
-    low: Array = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
-    chosen = np.ones(len(low), dtype=bool) if chosen is None else chosen
-    low = np.where(chosen, low[chosen].min(), -np.inf)  # no higher point matters
-    return float(_lowered(geometry, up, low)[chosen].min())
+def lowest_height(geometry: Geometry, up: Array) -> float:
+    """Height of the lowest point of all parts along an upward unit vector."""
+    return float(_lowest_along(geometry, up[None], np.ones(len(geometry.mass), dtype=bool))[0])
 
 
-def _lowered(geometry: Geometry, up: Array, low: Array) -> Array:
-    """The heights (N,), lowered to the points of each part on its exact surfaces below them."""
+def bounds(geometry: Geometry, chosen: Mask) -> Array:
+    """Lower and upper corner of the bounding box of the chosen parts (N,), shape (2, 3)."""
+    low, high = np.split(_lowest_along(geometry, np.vstack([np.eye(3), -np.eye(3)]), chosen), 2)
+    return np.stack([low, -high])
+
+
+def _lowest_along(geometry: Geometry, ups: Array, chosen: Mask) -> Array:
+    """Height of the lowest point of the chosen parts along each upward unit vector, shape (n,)."""
+    sides, heights = _longest_sides(geometry), []
+    for up in ups:
+        low = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+        low = np.where(chosen, low[chosen].min(), -np.inf)  # no higher point matters
+        heights.append(_lowered(geometry, up, low, sides)[chosen].min())
+    return np.array(heights)
+
+
+def _longest_sides(geometry: Geometry) -> tuple[Index, Array]:
+    """Triangles of the parts with curved surfaces, and the length of their longest sides."""
+    own = np.flatnonzero((np.diff(geometry.surfaces.start) > 0)[geometry.triangle_part])
+    x, y, z = geometry.vertices[geometry.triangles[own]].transpose(1, 0, 2)
+    return own, np.maximum.reduce([lengths(y - x), lengths(z - y), lengths(x - z)])
+
+
+def _lowered(geometry: Geometry, up: Array, low: Array, sides: tuple[Index, Array]) -> Array:
+    """The heights (N,), lowered to the points of each part on its exact surfaces below them.
+
+    `sides`: as `_longest_sides` returns.
+    """
     if len(geometry.surfaces):
-        for part, height in (_inside_faces(geometry, up, low), _on_edges(geometry, up, low)):
+        for part, height in (_inside_faces(geometry, up, low), _on_edges(geometry, up, low, sides)):
             np.minimum.at(low, part, height)
     return low
 
@@ -375,12 +400,14 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 # on edges -----------------------------------------------------------------------------------
 
 
-def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
+def _on_edges(
+    geometry: Geometry, up: Array, low: Array, sides: tuple[Index, Array]
+) -> tuple[Index, Array]:
     """Part and height of the lowest points of curved edges at exact faces.
 
-    `low` (N,): heights of the parts; edges above them are skipped.
+    `low` (N,): heights of the parts; edges above them are skipped. `sides`: as `_longest_sides`.
     """
-    chords, part = _chords(geometry, up, low)
+    chords, part = _chords(geometry, up, low, sides)
     if not len(part):
         return part, np.empty(0)
     s, left, right, best = geometry.surfaces, np.zeros(len(part)), np.ones(len(part)), low.copy()
@@ -401,31 +428,35 @@ def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     return part[converged], (points @ up)[converged]
 
 
-def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
-    """Chords of curved edges that may reach below the heights (N,), and their parts."""
+def _chords(
+    geometry: Geometry, up: Array, low: Array, sides: tuple[Index, Array]
+) -> tuple[Chords, Index]:
+    """Chords of curved edges that may reach below the heights (N,), and their parts.
+
+    An edge of a face that is exact and level reaches no lower than its ends.
+    """
     s, label = geometry.surfaces, geometry.triangle_surface
-    owner = geometry.triangle_part
+    owner, (own, side) = geometry.triangle_part, sides
     # both triangles of an edge that may reach the heights reach them by their longest side
-    own = np.flatnonzero((np.diff(s.start) > 0)[owner])
-    x, y, z = geometry.vertices[geometry.triangles[own]].transpose(1, 0, 2)
-    side = np.maximum.reduce([lengths(y - x), lengths(z - y), lengths(x - z)])
-    lowest = np.minimum.reduce([x @ up, y @ up, z @ up])
+    lowest = (geometry.vertices @ up)[geometry.triangles[own]].min(axis=1)
     on_curved = own[lowest - side <= low[owner[own]] + BESIDE_SEAM * side]
     triangles = geometry.triangles[on_curved]
     first, second = shared_edges(triangles)
-    sides = np.column_stack([on_curved[first // 3], on_curved[second // 3]])
-    rows = label[sides]
+    both = np.column_stack([on_curved[first // 3], on_curved[second // 3]])
+    rows = label[both]
     ends = triangles[first // 3, first % 3], triangles[first // 3, (first + 1) % 3]
     p, q = (geometry.vertices[end] for end in ends)
     reach = np.minimum(p @ up, q @ up) - np.linalg.norm(q - p, axis=1)
     known = ~((s.kind[rows] == FREE) | (s.doubt[rows] > 0)) | (rows < 0)
-    keep = (rows[:, 0] != rows[:, 1]) & known.all(axis=1) & (reach <= low[owner[sides[:, 0]]])
-    corners = geometry.vertices[geometry.triangles[sides[keep]]]
+    keep = (rows[:, 0] != rows[:, 1]) & known.all(axis=1) & (reach <= low[owner[both[:, 0]]])
+    corners = geometry.vertices[geometry.triangles[both[keep]]]
     normal = unit_rows(
         cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
     )
+    level = (rows[keep] < 0) & (np.linalg.norm(np.cross(normal, up), axis=2) <= LEVEL)
     chords = Chords(p[keep], q[keep], rows[keep], corners[:, :, 0], normal)
-    return chords, owner[sides[keep, 0]]
+    kept = np.flatnonzero(~level.any(axis=1))
+    return chords.take(kept), owner[both[keep, 0]][kept]
 
 
 def with_fields(assembly: Copy, **changes: Any) -> Copy:

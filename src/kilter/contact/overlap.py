@@ -26,13 +26,13 @@ A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equatio
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Index, Mask, cross, distinct_rows, lengths, nearest
+from kilter.arrays import TINY, Array, Index, Mask, cross, distinct_rows, lengths, nearest, ragged
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
@@ -74,7 +74,7 @@ def _depth_inside(
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    """Largest depth of points of part a inside part b [length unit]; 0: none."""
+    """Largest depth of points of part a inside part b, if above the tolerance [length unit]."""
     corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
     sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
     probes = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides])
@@ -83,8 +83,10 @@ def _depth_inside(
     probes = _some_without(distinct_rows(probes)[0], without)
     if not len(probes):
         return 0.0
+    bound = at_most(probes, triangles)
+    probes, bound = probes[bound > tolerance], bound[bound > tolerance]
     inside = inside_part(geometry, b, probes)
-    return float(surface_distance(probes[inside], triangles).max(initial=0.0))
+    return float(surface_distance(probes[inside], triangles, bound[inside]).max(initial=0.0))
 
 
 def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
@@ -280,10 +282,9 @@ def find_overlaps(
             overlap = _general_overlap(faces, row, parts, float(tolerance[row]))
         if overlap is not None:
             overlaps.append(overlap)
-    return tuple(
-        _with_volume(faces, overlap, tolerances)
-        for overlap in _with_interference(assembly, overlaps, tolerances)
-    )
+    overlaps = _with_interference(assembly, overlaps, tolerances)
+    round_boxes = _surface_boxes(geometry, {part for overlap in overlaps for part in overlap.ends})
+    return tuple(_with_volume(faces, overlap, tolerances, round_boxes) for overlap in overlaps)
 
 
 FINER = range(1, 6)
@@ -307,7 +308,9 @@ def _with_interference(
     ]
 
 
-def _with_volume(faces: FacePatches, overlap: Overlap, tolerance: Tolerance) -> Overlap:
+def _with_volume(
+    faces: FacePatches, overlap: Overlap, tolerance: Tolerance, boxes: _Boxes
+) -> Overlap:
     """The overlap with its shared volume, also as a fraction of the smaller part's volume.
 
     The share is None if the smaller part is thinner than the gap tolerance.
@@ -316,7 +319,7 @@ def _with_volume(faces: FacePatches, overlap: Overlap, tolerance: Tolerance) -> 
     exact = overlap.why == SAME_BODY or not (geometry.slack[both] > 0).any()
     if volume is None or not exact:
         body = shared_body(faces.search.solids, *overlap.ends)
-        volume = _exact_volume(geometry, overlap.ends, body) if body is not None else volume
+        volume = _exact_volume(geometry, overlap.ends, body, boxes) if body is not None else volume
     smaller = int(both[int(np.argmin(geometry.volume[both]))])
     thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
     share = None
@@ -333,7 +336,9 @@ def _thickness(geometry: Geometry, part: int) -> float:
     return float(2 * geometry.volume[part] / surface) if surface > 0 else 0.0
 
 
-def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
+def _exact_volume(
+    geometry: Geometry, parts: tuple[int, int], body: SharedBody, boxes: _Boxes
+) -> float:
     """Volume that two parts share, within exact curved surfaces [length unit^3].
 
     The volume between the triangles and their surfaces is added. If it is not small, the triangles
@@ -346,7 +351,9 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
     box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
     for rounds in FINER:
         sides = zip(parts, (body.of_first, ~body.of_first), strict=True)
-        behind = np.concatenate([_behind_surfaces(geometry, p, body.corners[x]) for p, x in sides])
+        behind = np.concatenate(
+            [_behind_surfaces(geometry, p, body.corners[x], boxes) for p, x in sides]
+        )
         volume = body.volume + float(behind.sum())
         if np.abs(behind).sum() <= BEHIND * body.volume:
             break
@@ -358,7 +365,29 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
     return volume
 
 
-def _behind_surfaces(geometry: Geometry, part: int, corners: Array) -> Array:
+_Boxes = tuple[Array, Array]
+"""Lower and upper corners of the boxes of all surfaces, each of shape (S, 3) [length unit]."""
+
+
+def _surface_boxes(geometry: Geometry, parts: Iterable[int]) -> _Boxes:
+    """Boxes of the exact curved surfaces of the given parts, grown by the errors of triangles.
+
+    Those of all other surfaces are empty: their lower corners are infinite.
+    """
+    s = geometry.surfaces
+    low, high = np.full((len(s), 3), np.inf), np.full((len(s), 3), -np.inf)
+    rows = np.flatnonzero(np.isin(s.part, list(parts)) & (s.kind != FREE) & (s.doubt <= 0))
+    owner, place = ragged(s.triangle_start, rows)
+    if len(owner):
+        corners = geometry.vertices[geometry.triangles[s.triangle[place]]]
+        first = np.flatnonzero(np.diff(owner, prepend=-1))
+        grow = (s.sagitta + geometry.accuracy[s.part])[rows, None]
+        low[rows] = np.minimum.reduceat(corners.min(axis=1), first) - grow
+        high[rows] = np.maximum.reduceat(corners.max(axis=1), first) + grow
+    return low, high
+
+
+def _behind_surfaces(geometry: Geometry, part: int, corners: Array, boxes: _Boxes) -> Array:
     """Volumes between triangles of a part, shape (n, 3, 3), and its true surface, shape (n,).
 
     They are positive where the surface bulges out. The distance from a surface is a quadratic
@@ -368,17 +397,17 @@ def _behind_surfaces(geometry: Geometry, part: int, corners: Array) -> Array:
     middles = (corners + np.roll(corners, -1, axis=1)) / 2
     across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     low, high = corners.min(axis=1), corners.max(axis=1)
-    for row in np.arange(*s.start[part : part + 2]).tolist() if len(s) else ():
-        if s.kind[row] == FREE or s.doubt[row] > 0:
-            continue
-        most = float(s.sagitta[row] + geometry.accuracy[part])
-        on_surface = geometry.vertices[geometry.triangles[s.triangles_of(row)]].reshape(-1, 3)
-        near = (low <= on_surface.max(axis=0) + most) & (high >= on_surface.min(axis=0) - most)
+    least, most = (side[s.start[part] : s.start[part + 1]] for side in boxes)
+    meets = least <= high.max(axis=0, initial=-np.inf)
+    meets &= most >= low.min(axis=0, initial=np.inf)
+    for k in np.flatnonzero(meets.all(axis=1)).tolist():
+        row = int(s.start[part]) + k
+        near = (low <= most[k]) & (high >= least[k])
         chosen = np.flatnonzero(near.all(axis=1))
         points = np.concatenate([corners[chosen], middles[chosen]], axis=1).reshape(-1, 3)
         distance, outward = s.distance_and_outward(np.full(len(points), row), points)
         distance, outward = distance.reshape(-1, 6), outward.reshape(-1, 6, 3)[:, 0]
-        lies = (np.abs(distance) <= most).all(axis=1)
+        lies = (np.abs(distance) <= s.sagitta[row] + geometry.accuracy[part]).all(axis=1)
         lies &= np.einsum("ij,ij->i", outward, across[chosen]) > 0
         off[chosen[lies]] = distance[lies, 3:]
     behind: Array = -off.mean(axis=1) * lengths(across) / 2

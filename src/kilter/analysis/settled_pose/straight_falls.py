@@ -118,13 +118,14 @@ class StraightFall:
 
 
 def falling_distance(
-    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array
+    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array, *, enough: float = -np.inf
 ) -> StraightFall | None:
     """Find the first part that a group of parts meets if it falls straight down.
 
     Arguments: `parts` (n,): the falling parts; they move together; `down` (3,): unit direction of
-    gravity. Returns None if nothing is below the parts. A fall onto curved faces is that of their
-    triangles if the two parts have more than `MOST_CURVED` such faces.
+    gravity; `enough`: length of a fall that ends the search, although another part may be met
+    sooner [length unit]. Returns None if nothing is below the parts. A fall onto curved faces is
+    that of their triangles if the two parts have more than `MOST_CURVED` such faces.
     """
     x, y, z = down.tolist()
     direction: Direction = (x, y, z)
@@ -151,6 +152,8 @@ def falling_distance(
             distance = _height_on_surfaces(sweeps, assembly, (part, other), distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)
+        if distance <= enough:
+            break
     return best
 
 
@@ -174,9 +177,10 @@ def landings(
     both = falling[a] & falling[b]
     label = np.where(falling, connected(len(falling), a[both], b[both]), -1)
     sweeps = Sweeps.of(contacts)
+    least_gap = float(contacts.searched.gap_of(assembly.geometry.size).min())
     found: dict[int, tuple[int, float]] = {}
     for group in members_by_label(label)[:MOST_GROUPS]:
-        fall = falling_distance(assembly, sweeps, group, assembly.down)
+        fall = falling_distance(assembly, sweeps, group, assembly.down, enough=least_gap)
         if fall is not None and fall.distance > touching_gap(assembly, contacts, fall):
             found |= dict.fromkeys(group.tolist(), (fall.other, fall.distance))
     return found
