@@ -148,12 +148,15 @@ def _dropped(asked: Question, plain: Assumed, *, listed: bool) -> Assumed | None
     if dropped is None or assembly is None:
         return None
     moved = float(np.linalg.norm(dropped.bodies.center - bodies.center, axis=1).max())
-    rest = chosen_parts(assembly, np.flatnonzero(~dropped.gone[bodies.of_part]), [])
-    balanced = check_equilibrium(rest, detect.contacts(rest)).level is not None
+    kept = np.flatnonzero(~dropped.gone[bodies.of_part])
+    rest = assembly if len(kept) == len(assembly) else chosen_parts(assembly, kept, [])
+    there = detect.contacts(rest)
+    balanced = check_equilibrium(rest, there).level is not None
     if not balanced and not tips(dropped, LONGEST_CHAIN * float(play.max())):
         return None
     if listed:
-        return replace(plain, assembly=assembly, contacts=detect.contacts(assembly), moved=moved)
+        there = there if rest is assembly else detect.contacts(assembly)
+        return replace(plain, assembly=assembly, contacts=there, moved=moved)
     return _posed(asked, plain, dropped.bodies.assembly(), None)
 
 
