@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from solids import (
+    as_solid,
     ball,
     bolt,
     bore,
@@ -18,12 +19,16 @@ from solids import (
     trough,
 )
 
-from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check
 from kilter.contact import Tolerance, detect
+from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.findings import explained, triangles_on_flat
 from kilter.contact.curved.contact_points import AROUND, unrolled_overlap
+from kilter.contact.pair_findings import find_families
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn
 from kilter.scenes.traps import four_spheres, three_cylinders
+from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES
 from sampled import sampled
 
 FLOOR = floor([-5, -5], [5, 5])
@@ -467,6 +472,42 @@ def test_free_form_is_listed_and_not_taken_for_its_triangles():
     far = check(Assembly([FLOOR, Part("blob", free, Pose([0, 0, 0.6]))]))
     assert far.verdict == "unstable"
     assert far.contact_set.unsupported == ()
+
+
+def beside_a_wall(gap):
+    """A block with a free-form side, on the ground of an L-shaped part, at a gap from its wall."""
+    ell = Prism([[-1, -1], [2, -1], [2, 0], [0, 0], [0, 2], [-1, 2]], 3.0)
+    cube = Mesh(BOX_CORNERS, BOX_TRIANGLES)
+    left = (cube.vertices[cube.triangles][:, :, 0] < 0).all(axis=1)
+    block = Part("block", as_solid(cube, left, sagitta=1e-3), Pose([0.5 + gap, 0, 0.5]))
+    return Assembly([Part("base", ell, grounded=True), block])
+
+
+def test_points_of_a_triangle_on_a_flat_patch_are_explained_by_it():
+    faces = find_families(begin_search(beside_a_wall(0.1), Tolerance(), lambda stage: None))
+    low, high = faces.flat.patches.points.min(axis=0), faces.flat.patches.points.max(axis=0)
+    assert (low, high) == (pytest.approx([0.1, -0.5, 0.0]), pytest.approx([1.1, 0.5, 0.0]))
+    rng, slack, room = np.random.default_rng(5), 0.05, np.array([0.2, 0.2, 0.1])
+    first = rng.uniform(low - room, high + room, size=(2000, 1, 3))
+    triangles = first + rng.uniform(-0.06, 0.06, size=(2000, 3, 3))
+    lies = triangles_on_flat(faces, 0, triangles, slack)
+    assert 100 < lies.sum() < 1900
+    shares = rng.dirichlet([0.3, 0.3, 0.3], size=50)
+    points = np.einsum("ks,nsi->nki", shares, triangles)
+    known = explained(faces, 0, points.reshape(-1, 3), slack).reshape(2000, 50).all(axis=1)
+    assert known[lies].all()
+    corners = explained(faces, 0, triangles.reshape(-1, 3), slack).reshape(2000, 3).all(axis=1)
+    assert np.array_equal(corners, lies)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.1])
+def test_families_without_unmodelled_contacts_have_the_same_patches(gap):
+    search = begin_search(beside_a_wall(gap), Tolerance(), lambda stage: None)
+    every, modelled = find_families(search), find_families(search, unmodelled=False)
+    assert bool(every.sharp.unsupported) == (gap == 0.0)
+    assert modelled.sharp.unsupported == ()
+    assert np.array_equal(every.sharp.patches.points, modelled.sharp.patches.points)
+    assert np.array_equal(every.sharp.patches.normals, modelled.sharp.patches.normals)
 
 
 def unrolled_band(sides, low, high, phase=0.0, levels=1):

@@ -148,6 +148,7 @@ def falling_distance(
         if not np.isfinite(distance) or distance >= most:
             continue
         few = curved[[part, other]].sum() <= MOST_CURVED
+        few &= distance > enough or not sweeps.overlap(part, other)
         if not exact and few and distance > -DEEP * spare:
             distance = _height_on_surfaces(sweeps, assembly, (part, other), distance)
         if best is None or distance < best.distance:

@@ -102,6 +102,10 @@ class Sweeps:
         """The tests for an assembly as drawn; each contact set has one object, with its results."""
         return _SWEEPS.setdefault(contacts, cls(contacts))
 
+    def overlap(self, p: int, q: int) -> bool:
+        """Whether two parts share volume as drawn."""
+        return q in self._depths.get(p, {})
+
     def tolerance(self, p: int, q: int) -> float:
         """Depth to which two parts may overlap on a path without a collision [length unit]."""
         return float(self._tolerances(p, np.array([q]))[0])
