@@ -264,13 +264,28 @@ def test_another_assembly_must_have_the_same_parts():
 FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "gradient_census.py"
 
 
+def loaded(file: Path) -> object:
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.slow
+def test_an_optimiser_widens_the_tilt_of_a_tower():
+    example = loaded(FILE.parents[1] / "examples" / "optimise_a_tower.py")
+    before, slopes = example.tilt(example.START)
+    assert slopes.sum() == pytest.approx(0, abs=1e-6)  # all boxes together on a wide table
+    assert example.tilt(example.by_scipy(4))[0] > before + 5
+    pytest.importorskip("torch")
+    assert example.by_torch() == pytest.approx(slopes)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["stack", "arch", "pile", "wedge", "voronoi"])
 def test_irregular_assemblies_agree_with_differences(family, monkeypatch):
     """The first cases of benchmarks/gradient_census.py."""
     monkeypatch.setattr(sys, "path", list(sys.path))
-    spec = importlib.util.spec_from_file_location("gradient_census", FILE)
-    census = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(census)
+    census = loaded(FILE)
     monkeypatch.setattr(sys, "argv", [str(FILE), "3", "--first", "60", "--family", family])
     assert census.main() == 0

@@ -12,7 +12,7 @@ from kilter.analysis.gradients.limit_power import SolvedLimit
 from kilter.analysis.gradients.refined_limit import RefinedLimit, is_large, refine_limit
 
 LimitWord = Literal["tilt", "friction", "load factor", "least load factor", "push", "load"]
-TURNS = 6
+TURNS = 20
 """Largest number of turns of a direction toward that which its motion gives."""
 SAME_TURN = 1e-12
 """Change of a direction that is rounding [-]."""

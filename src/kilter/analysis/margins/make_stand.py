@@ -156,6 +156,7 @@ class _StandSearch:
         work: Work,
     ) -> None:  # fmt: skip
         self.given, self.tilt, self.work = assembly, tilt, work
+        self.tolerance = touching.searched
         self.variables = list(_variables(assembly, touching, allow))
         angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
         u, v = across(assembly.down)
@@ -179,7 +180,7 @@ class _StandSearch:
         for _ in range(STEPS):
             stop_if_late()
             assembly = self.changed(self.x)
-            touching = contacts(assembly)
+            touching = contacts(assembly, tolerance=self.tolerance)
             margin, toward = _tilt_of(assembly, touching)
             enough = margin >= self.tilt
             if enough:

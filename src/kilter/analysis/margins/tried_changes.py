@@ -113,7 +113,7 @@ def tried_changes(
     for group in _candidates(assembly, touching, gradient, held):
         ranked = sorted(group, key=lambda candidate: -candidate.predicted)
         for candidate in [each for each in ranked if each.predicted > NO_GAIN][:TRIED]:
-            tried = _tried(candidate, assembly, gradient, push, work)
+            tried = _tried(candidate, touching, gradient, push, work)
             if tried is not None:
                 found.append(tried)
     return tuple(sorted(found, key=lambda change: -change.gain)[:LISTED])
@@ -315,14 +315,14 @@ def _held(assembly: Assembly, k: int) -> Assembly:
 
 def _tried(
     candidate: PossibleChange,
-    assembly: Assembly,
+    given: ContactSet,
     gradient: Gradient,
     push: Array | None,
     work: Work,
 ) -> TriedChange | None:
     """A change that gains and leaves the assembly standing; else None."""
     changed = candidate.build()
-    touching = contacts(changed)
+    touching = contacts(changed, tolerance=given.searched)
     value = limit_of(changed, touching, gradient.of, push)
     gain = (gradient.value - value) if gradient.of == "friction" else (value - gradient.value)
     if not gain > NO_GAIN:
@@ -343,7 +343,7 @@ def _tried(
         limit=value,
         gain=gain,
         verdict=verdict,
-        sentence=_sentence(candidate, assembly.units, gradient, value, gain),
+        sentence=_sentence(candidate, given.assembly.units, gradient, value, gain),
     )
 
 
