@@ -32,6 +32,8 @@ from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.rows import CONTACT
 from kilter.solvers.problem import ConicProgram
 
+SHARP = 1e-12
+"""Gap of the program of a slope [-]; the error of the slope is a large multiple of it."""
 NO_CHANGE = 1e-12
 """Changes of forces and motion below this, relative to the largest, are rounding [-]."""
 
@@ -43,7 +45,9 @@ def slope_on_face(power: LimitPower, refined: RefinedLimit, rates: Rates) -> flo
     face = _Face(power, refined, rates)
     if not face.known:
         return np.nan
-    answer = solve_conic(face.program())
+    answer = solve_conic(face.program(), tolerance=SHARP)
+    if not answer.found:
+        answer = solve_conic(face.program())
     return float(answer.x[-1]) * face.size if answer.found else np.nan
 
 
