@@ -259,10 +259,10 @@ def test_the_motion_plays(opened):
 def test_section_see_through_contacts_and_force_size_change_the_picture(opened):
     page = opened("corner-wedges")
     last = page.drawn()
-    page.page.select_option("#section-axis", "x")
+    page.page.select_option("#section-x-side", "+")
     for act in (
-        lambda: page.slide("section", 0.3),
-        lambda: page.page.select_option("#section-axis", "-x"),
+        lambda: page.slide("section-x", 0.3),
+        lambda: page.page.select_option("#section-x-side", "-"),
         lambda: page.slide("see-through", 0.6),
         lambda: page.page.click("#show-contacts"),
         lambda: page.slide("force-size", 2),

@@ -260,12 +260,12 @@ def test_forces_follow_what_is_hidden_isolated_and_cut(opened):
         scene("tower").geometry.mass[3] * 9.81, rel=1e-5
     )
     page.page.click("#show-all")
-    page.page.select_option("#section-axis", "z")
-    page.slide("section", 0)
+    page.page.select_option("#section-z-side", "+")
+    page.slide("section-z", 0)
     left = page.js(SHOWN)
     assert 0 < len(left) < 5
     assert all(one["at"][2] <= 1e-6 for one in left)
-    page.slide("section", -1)
+    page.slide("section-z", -1)
     assert page.js(SHOWN) == []
 
 

@@ -308,6 +308,11 @@ CHANGES = "test_undo_redo_revert_go_back_and_compare"
 WRONG = "test_wrong_huge_changed_and_removed_files_are_sentences"
 CLOSED = "test_the_notices_and_the_measuring_close_and_the_command_is_copied"
 AS1 = "test_as1_from_the_drop_to_a_saved_stable_state"
+CUTS = "test_three_planes_cut_and_show_the_inside"
+STAGE = "test_the_motion_at_a_limit_is_on_the_stage"
+HELP = "test_the_help_lists_the_keys_and_leads_around"
+PANELS = "test_panels_are_switched_and_their_edges_move"
+BAR = "test_the_bar_beside_a_part_acts_on_it"
 FALL = "test_play_goes_to_the_end_and_the_mark_with_it"
 SECTION = "test_section_see_through_contacts_and_force_size_change_the_picture"
 SEARCH = "test_search_and_tree_select_hide_and_open_groups"
@@ -412,6 +417,23 @@ CONTROLS = {
     "go-recommended": BUTTONS,
     "go-nearest": BUTTONS,
     # tabs
+    **dict.fromkeys(("open-answer", "open-gravity", "open-forces", "open-display"), PANELS),
+    **dict.fromkeys(("edge-left", "edge-right", "edge-sheet"), PANELS),
+    "show-help": HELP,
+    "help Show the tour": HELP,
+    "help Close": HELP,
+    "selected-bar *": BAR,
+    "tilt": "test_a_typed_tilt_is_judged_as_python_judges_it",
+    "tilt-form Show": "enter",
+    "limit-case": STAGE,
+    "film-strip *": "test_the_film_of_an_order_is_on_the_stage",
+    "tab-forces": "test_ranges_of_forces_are_those_of_python",
+    "sheet-controls All pairs": "test_ranges_of_forces_are_those_of_python",
+    "sheet-controls Between the two selected parts": "test_ranges_of_forces_are_those_of_python",
+    "featured *": "test_the_start_page_has_pictures_and_recent_files",
+    "recent *": "test_the_start_page_has_pictures_and_recent_files",
+    "examples-title": "test_an_example_is_opened_from_the_start_page",
+    "idle-pairs *": "test_pairs_that_change_nothing_are_folded",
     "tab-changes": CHANGES,
     "tab-orient": TABS,
     "tab-margin": OPTIONS,
@@ -449,8 +471,10 @@ CONTROLS = {
     "motion": "test_a_slider_moves_parts",
     "play": "test_the_motion_plays",
     "explode": "test_all_stays_in_the_frame_pulled_apart_and_turned",
-    "section-axis": SECTION,
-    "section": SECTION,
+    "section-x-side": SECTION,
+    "section-x": SECTION,
+    **dict.fromkeys(("section-y-side", "section-y", "section-z-side", "section-z"), CUTS),
+    "flat": "test_the_view_without_perspective_keeps_sizes_and_parallels",
     "see-through": HIDDEN,
     "see-through-of": HIDDEN,
     "force-size": SECTION,
@@ -469,7 +493,10 @@ CONTROLS = {
 label, `*` for labels that are names. "enter": a key in its field does the same, as the other tests
 of the form show.
 """
-LISTS = ("listed", "examples", "tree", "answer-section", "ladder", "loose-bodies", "bodies")
+LISTS = (
+    *("listed", "recent", "featured", "examples", "tree", "answer-section", "ladder"),
+    *("loose-bodies", "bodies", "idle-pairs", "selected-bar", "film-strip"),
+)
 LIST_CONTROLS = """(lists) => {
   const labelled = (e) => (e.getAttribute("aria-label") || e.textContent || e.title).trim();
   const key = (e) => {

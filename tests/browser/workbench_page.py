@@ -24,11 +24,40 @@ ANSWERED = (
 )
 
 
+TOUCHED = ("click", "fill", "press", "select_option", "focus", "inner_text")
+"""Methods of a page that need a visible element."""
+OPEN_PANEL = (
+    "selector => { const panel = document.querySelector(selector)?.closest('.panel');"
+    " if (panel?.hidden) document.getElementById(panel.id.replace('panel-', 'open-')).click();"
+    " document.querySelector(selector)?.closest('details')?.setAttribute('open', ''); }"
+)
+
+
+class PagePanels:
+    """A page of playwright whose user opens the panel of an element before the element is used."""
+
+    def __init__(self, page: Any) -> None:
+        self._page = page
+
+    def __getattr__(self, name: str) -> Any:
+        method = getattr(self._page, name)
+        if name not in TOUCHED:
+            return method
+
+        def shown(selector: str, *values: Any, **options: Any) -> Any:
+            if selector.startswith("#"):
+                self._page.evaluate(OPEN_PANEL, selector.split()[0].split(":")[0])
+            return method(selector, *values, **options)
+
+        return shown
+
+
 class WorkbenchPage(Opened):
     """A page of the workbench with a user who clicks."""
 
     def __init__(self, page: Any, bench: Workbench, folder: Path) -> None:
         super().__init__(page)
+        self.page = PagePanels(page)
         self.bench, self.folder = bench, folder
 
     def begin(self) -> WorkbenchPage:

@@ -411,7 +411,7 @@ def test_changes_of_an_uploaded_file_outlive_it(page, bench, folder, tmp_path, m
         assert len(session["changes"]) == count
         if not count:
             page.after(do="hold", parts=["C3"], on=True)
-    assert len(list(tmp_path.rglob("*.json"))) == 1
+    assert len(list((tmp_path / "kilter" / "workbench").glob("*.json"))) == 1
 
 
 def test_a_wrong_file_leaves_the_open_file_open(page, bench):

@@ -15,7 +15,7 @@ const SAME = 1e-9; // directions closer than this are equal [rad]
  * `map` the stability map, `rays` forces for the rays of the cone.
  */
 export function answer(page, down) {
-  for (const name of ["given", "recommended"]) {
+  for (const name of ["given", "recommended", "probed"]) {
     const known = page[name];
     if (known && angleBetween(known.down, down) < SAME) return known_(page, name, known, down);
   }

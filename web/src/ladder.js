@@ -2,6 +2,7 @@
 
 import { bodyColour, themeOf } from "./colours.js";
 import { id } from "./dom.js";
+import { shortened } from "./words.js";
 import { button, entry, fill, refill } from "./workbench/entries.js";
 
 const LISTED = 60; // bodies in a list; all of them are coloured
@@ -46,7 +47,7 @@ export class Ladder {
   /** A row of the ladder: rung, verdict, and the parts that fall. */
   row(row, assume) {
     const item = document.createElement("li");
-    const words = [element("b", signed(row)), element("span", row.words)];
+    const words = [element("b", signed(row)), element("span", shortened(this.report.page, row.words))];
     if (this.choose) {
       const line = button("", () => this.choose(row), row.condition);
       line.className = "rung";
@@ -75,7 +76,7 @@ export class Ladder {
         swatch.className = "swatch";
         const number = report.page.given.assumption.bodies.indexOf(body);
         swatch.style.background = `rgb(${bodyColour(themeOf(document.body), number)})`;
-        const show = button(body.words, () => report.bring(body.parts), "select the parts of this body");
+        const show = button(shortened(report.page, body.words), () => report.bring(body.parts), "select the parts of this body");
         show.className = "link";
         item.firstChild.append(swatch, show);
         return item;

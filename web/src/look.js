@@ -14,6 +14,8 @@ import { Tree } from "./tree.js";
 const NAMED = 14; // names are shown at first for up to this many parts
 const PATCHES = 40; // contacts are shown at first for up to this many patches
 const NEAR = 0.1; // least part of the assembly that is in view with selected parts [-]
+const HOVER = 40; // least time between two searches for the part under the pointer [ms]
+const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 0.9], "-": [0, 0, 1.1] }; // of the keys
 const STILL = 4; // a pointer that moves less than this has clicked [CSS px]
 
 /** A page; its `repose` places parts, arrows and names for the current controls. */
@@ -81,8 +83,11 @@ export class Look {
   /** Connect the controls that all pages have; called once. */
   look() {
     on("explode", "input", () => this.slide("apart", "explode", 1.6));
-    on("section-axis", "change", () => this.section());
-    on("section", "input", () => this.section());
+    for (const axis of "xyz") {
+      on(`section-${axis}-side`, "change", () => this.section());
+      on(`section-${axis}`, "input", () => this.section());
+    }
+    on("flat", "click", () => this.flatten());
     for (const [name, kind] of [["see-through", "input"], ["see-through-of", "change"]]) {
       on(name, kind, () => {
         this.seeThrough();
@@ -142,7 +147,7 @@ export class Look {
   offer() {
     if (!this.stage) return;
     const { page } = this;
-    const pairs = page.open.parts.length / 2;
+    const pairs = page.open.decides ? page.open.decides.filter(Boolean).length : page.open.parts.length / 2;
     id("open-row").hidden = !pairs;
     id("open-label").textContent = `${pairs} open pair${pairs > 1 ? "s" : ""}`;
     id("contacts-row").hidden = page.patches.start.length < 2;
@@ -154,6 +159,13 @@ export class Look {
     this[key] = most * Number(id(name).value);
     if (key === "apart" && this.stage) this.stage.spread(this.spreading());
     this.repose();
+  }
+
+  /** Switch between a view with perspective and one without. */
+  flatten() {
+    const flat = id("flat").getAttribute("aria-pressed") !== "true";
+    id("flat").setAttribute("aria-pressed", String(flat));
+    this.stage.flatten(flat);
   }
 
   seeThrough() {
@@ -217,7 +229,7 @@ export class Look {
     const some = (arrows) => arrows.group.children.length > 0;
     const shown = page.parts.names.map((_, k) => k).filter((k) => parts.shown(k));
     const drawn = {
-      base: shown.some((k) => page.parts.grounded[k]),
+      base: shown.some((k) => page.parts.grounded[k] && !page.parts.table?.[k]),
       moving: shown.some((k) => parts.moving[k] && !parts.gripped[k]),
       picked: shown.some((k) => this.selection.has(k)),
       grip: shown.some((k) => parts.gripped[k]),
@@ -236,19 +248,22 @@ export class Look {
     for (const [name, on_] of Object.entries(drawn)) id(`${name}-key`).hidden = !on_;
   }
 
-  /** Cut away one side of a plane: that of +x, −x and so on. */
+  /** Cut away one side of up to three planes, across the axes of the file. */
   section() {
     this.cut();
     this.repose();
   }
 
   cut() {
-    const side = id("section-axis").value;
-    const axis = "xyz".indexOf(side.charAt(side.length - 1) || " ");
-    const sign = side.startsWith("-") ? -1 : 1;
-    id("section").hidden = axis < 0;
-    const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? sign : 0));
-    this.stage.parts.section(normal, sign * this.page.radius * Number(id("section").value));
+    const cuts = [];
+    "xyz".split("").forEach((axis, k) => {
+      const side = id(`section-${axis}-side`).value;
+      id(`section-${axis}`).hidden = !side;
+      if (!side) return;
+      const sign = side === "-" ? -1 : 1;
+      cuts.push([[0, 1, 2].map((i) => (i === k ? sign : 0)), sign * this.page.radius * Number(id(`section-${axis}`).value)]);
+    });
+    this.stage.parts.section(cuts);
   }
 
   picking() {
@@ -292,33 +307,69 @@ export class Look {
       [from, this.framing] = [null, false];
       id("frame").hidden = true;
     });
-    canvas.addEventListener("keydown", (e) => {
-      const turns = {
-        ArrowLeft: [-0.1, 0],
-        ArrowRight: [0.1, 0],
-        ArrowUp: [0, -0.1],
-        ArrowDown: [0, 0.1],
-        "+": [0, 0, 0.9],
-        "-": [0, 0, 1.1],
-      };
-      if (e.ctrlKey || e.metaKey || e.altKey) return;
-      const { count } = this.stage.parts;
-      if (turns[e.key]) this.stage.orbit(...turns[e.key]);
-      else if (VIEW_KEYS[e.key]) this.stage.view(VIEWS[VIEW_KEYS[e.key]]);
-      else if (e.key === "0") this.stage.home();
-      else if (e.key.toLowerCase() === "n" || e.key.toLowerCase() === "p") {
-        const step = e.key.toLowerCase() === "n" ? 1 : count - 1;
-        const next = this.selected < 0 ? 0 : (this.selected + step) % count;
-        this.choose([next], e.shiftKey ? "add" : "only");
-      } else if (e.key === "h") this.hide();
-      else if (e.key === "i") this.isolate();
-      else if (e.key === "a") this.showAll();
-      else if (e.key === "m") this.measure.toggle();
-      else if (e.key === "Escape" && this.measure.on) this.measure.toggle(false);
-      else if (e.key === "Escape") this.select(-1);
-      else if (!this.key(e.key)) return;
-      e.preventDefault();
-    });
+    canvas.addEventListener("pointermove", (e) => e.buttons || this.hover(place(e)));
+    canvas.addEventListener("pointerleave", () => this.hovered(-1));
+    document.addEventListener("keydown", (e) => this.hotkey(e));
+  }
+
+  /** Mark the part under the pointer, as often as the pictures allow. */
+  hover(at) {
+    this.pointer = at;
+    if (this.hovering) return;
+    this.hovering = setTimeout(() => {
+      const started = performance.now();
+      this.hovered(this.stage.pick(...this.pointer));
+      this.pause = Math.max(HOVER, 8 * (performance.now() - started));
+      this.hovering = 0;
+    }, this.pause ?? HOVER);
+  }
+
+  hovered(part) {
+    const { parts } = this.stage;
+    if (parts.hovered === part) return;
+    parts.hovered = part;
+    id("picture").title = part < 0 ? "" : this.page.parts.tails[part];
+    parts.states();
+    this.stage.draw();
+  }
+
+  /** Keys of the picture: letters work wherever no text is written, the others in the picture. */
+  hotkey(event) {
+    const { target, key } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if (target.matches?.("input:not([type=range], [type=checkbox], [type=file]), textarea, select") || document.querySelector("dialog[open]")) return;
+    const inPicture = target === id("picture");
+    const everywhere = /^[a-z?]$/i.test(key) || key === "Escape" || (target === document.body && /^[-+0-9]$/.test(key));
+    if ((inPicture || everywhere) && this.press(key, event.shiftKey)) event.preventDefault();
+  }
+
+  /** Do what a key of the picture stands for; returns whether there is such a key. */
+  press(key, shift) {
+    const { stage } = this;
+    const { count } = stage.parts;
+    const letter = key.toLowerCase();
+    if (this.key(key)) return true;
+    if (TURNS[key]) stage.orbit(...TURNS[key]);
+    else if (VIEW_KEYS[key]) stage.view(VIEWS[VIEW_KEYS[key]]);
+    else if (key === "0") stage.home();
+    else if (letter === "n" || letter === "p") {
+      const next = this.selected < 0 ? 0 : (this.selected + (letter === "n" ? 1 : count - 1)) % count;
+      this.choose([next], shift ? "add" : "only");
+    } else if (key === "f") this.fit();
+    else if (key === "v") this.hide();
+    else if (key === "i") this.isolate();
+    else if (key === "a") this.showAll();
+    else if (key === "m") this.measure.toggle();
+    else if (key === "Escape" && this.measure.on) this.measure.toggle(false);
+    else if (key === "Escape") this.select(-1);
+    else return false;
+    return true;
+  }
+
+  /** Show the selected parts in the middle of the picture; without a selection, all parts. */
+  fit() {
+    if (this.selection.size) this.stage.zoomTo([...this.selection]);
+    else this.stage.home();
   }
 
   /** Draw the frame of a selection; returns its left, top, right and bottom [CSS px]. */

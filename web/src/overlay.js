@@ -78,6 +78,7 @@ export function openMarks(stage) {
   const balls = [];
   for (let k = 0; k < parts.length / 2; k += 1) {
     const [first, second] = parts.subarray(2 * k, 2 * k + 2);
+    if (stage.page.open.decides && !stage.page.open.decides[k]) continue; // it does not change the verdict
     const now = stage.parts.placeOf(second, at.subarray(3 * k, 3 * k + 3));
     if (!stage.parts.seen(first, now) && !stage.parts.seen(second, now)) continue;
     balls.push({ at: now, along: [0, 1, 0], size });

@@ -54,7 +54,7 @@ export class Parts {
     this.shared = {
       parts: { value: this.texture },
       across: { value: ACROSS },
-      plane: { value: new Vector4(0, 0, 1, 0) },
+      planes: { value: [0, 1, 2].map(() => new Vector4(0, 0, 0, 1)) },
       cutting: { value: false },
       dense: { value: 1 },
       accent: { value: new Color() },
@@ -65,6 +65,7 @@ export class Parts {
     this.gripped = new Uint8Array(this.count);
     this.moving = new Uint8Array(this.count);
     this.selected = new Set();
+    this.hovered = -1;
     this.group = new Group();
     this.makeMaterials();
     const [faces, edges] = merged(page);
@@ -89,7 +90,7 @@ export class Parts {
     this.paint(page.parts.colour);
     for (let k = 0; k < this.count; k += 1) {
       this.put(k, 2, 3, k);
-      this.put(k, 3, 1, page.parts.grounded[k]);
+      this.put(k, 3, 1, page.parts.table?.[k] ? 2 : page.parts.grounded[k]);
     }
     this.pose(null, 0, 0);
     this.states();
@@ -107,6 +108,7 @@ export class Parts {
     const colour = () => ({ value: new Color() });
     const over = { transparent: true, depthWrite: false, depthTest: false };
     const painted = { hatch: colour(), picked: colour(), opacity: { value: 1 } };
+    const eye = { eye: { value: new Vector3() } };
     const behind = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.material = {
       face: make(vertex, face, { ...painted, veil: { value: false } }, behind),
@@ -133,9 +135,9 @@ export class Parts {
       rim: make(vertex, flatColour, { ink: colour(), strength: { value: 0.85 } }, over),
       spot: make(spot, spotFace, { ink: colour(), strength: { value: 0.95 } }, over),
       number: make(vertex, number, {}),
-      back: make(vertex, nothing, {}, counting(BackSide, IncrementWrapStencilOp)),
-      front: make(vertex, nothing, {}, counting(FrontSide, DecrementWrapStencilOp)),
-      cap: make(vertex, cap, { eye: { value: new Vector3() } }, {
+      back: make(vertex, nothing, eye, counting(BackSide, IncrementWrapStencilOp)),
+      front: make(vertex, nothing, eye, counting(FrontSide, DecrementWrapStencilOp)),
+      cap: make(vertex, cap, eye, {
         side: BackSide,
         stencilWrite: true,
         stencilFunc: NotEqualStencilFunc,
@@ -186,10 +188,9 @@ export class Parts {
 
   /** Whether a part is shown and a point of it, in the frame of the assembly, is not cut away. */
   seen(k, point) {
-    const { cutting, plane } = this.shared;
-    const { x, y, z, w } = plane.value;
-    const cut = cutting.value && x * point[0] + y * point[1] + z * point[2] > w;
-    return this.shown(k) && !cut;
+    const { cutting, planes } = this.shared;
+    const beyond = ({ x, y, z, w }) => x * point[0] + y * point[1] + z * point[2] > w;
+    return this.shown(k) && !(cutting.value && planes.value.some(beyond));
   }
 
   /** Write the states of the parts to the texture: hidden, moving, gripped, selected, transparent. */
@@ -197,7 +198,7 @@ export class Parts {
     for (let k = 0; k < this.count; k += 1) {
       this.put(k, 3, 0, this.shown(k) ? 1 : 0);
       const moves = this.moving[k] ? 2 : this.gripped[k] ? 4 : 0;
-      this.put(k, 3, 2, (this.selected.has(k) ? 1 : 0) + moves);
+      this.put(k, 3, 2, (this.selected.has(k) ? 1 : 0) + moves + (k === this.hovered ? 8 : 0));
       const spared = this.sparing && (this.moving[k] || this.selected.has(k));
       this.put(k, 3, 3, this.veil.visible && !spared ? 1 : 0);
     }
@@ -243,15 +244,16 @@ export class Parts {
     return this.veil.visible;
   }
 
-  /** Cut away the half space n.x > offset; without a normal, show everything. */
-  section(normal, offset) {
-    this.shared.cutting.value = Boolean(normal);
-    this.cut.visible = Boolean(normal);
-    this.material.number.side = normal ? DoubleSide : FrontSide;
+  /** Cut away half spaces n.x > offset, at most three: pairs of a normal and an offset. */
+  section(cuts) {
+    const some = cuts.length > 0;
+    this.shared.cutting.value = some;
+    this.cut.visible = some;
+    this.material.number.side = some ? DoubleSide : FrontSide;
     // filled patches would be mistaken for the face of the section
-    this.material.patch.visible = !normal;
-    this.material.through.visible = !normal;
-    if (normal) this.shared.plane.value.set(...normal, offset);
+    this.material.patch.visible = !some;
+    this.material.through.visible = !some;
+    this.shared.planes.value.forEach((plane, k) => (k < cuts.length ? plane.set(...cuts[k][0], cuts[k][1]) : plane.set(0, 0, 0, 1)));
   }
 
   /** Make all parts transparent by a share; `sparing`: except the moving and the selected parts. */

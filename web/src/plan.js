@@ -1,16 +1,12 @@
 // The page of a plan: its steps as a film and as a strip of pictures, with the facts of each step.
 
 import { id, listFacts, on } from "./dom.js";
-import { overhang } from "./fall.js";
+import { Film } from "./film.js";
 import { Look } from "./look.js";
-import { forceArrows, motionArrows } from "./overlay.js";
-import { turn } from "./pose.js";
-import { pictureTime, sceneAt, stepAt } from "./steps.js";
 import { Strip } from "./strip.js";
 import { force } from "./words.js";
 
 const PACE = 1250; // duration of a step at normal speed [ms]
-const REACH = 1.9; // a part starts at most this far from its seat [radius of the picture]
 const SIGNS = { found: "✓", impossible: "✕", fails: "✕", "none-found": "?" };
 const TONES = { found: "stable", impossible: "unstable", fails: "unstable" };
 
@@ -18,18 +14,18 @@ export class Plan extends Look {
   constructor(page) {
     super(page);
     const { plan } = page;
-    this.count = plan.steps.length;
+    this.film = new Film(this, plan);
+    this.count = this.film.count;
     this.time = 0;
     this.atFirst = true; // the film is at its opening picture, and plays from the beginning
-    this.reach = REACH * page.radius;
-    this.outside = this.overhang();
+    this.outside = this.film.overhang();
     if (this.stage) this.stage.spread(this.spreading());
     this.found = { moving: [], motion: null, forces: null };
     this.look();
     this.tell();
     this.controls();
     this.theme();
-    if (this.count) this.go(this.pictureAt(0));
+    if (this.count) this.go(this.film.pictureAt(0));
     else this.go(0);
     this.begin();
     if (this.stage && this.count) this.strip.renew();
@@ -82,16 +78,6 @@ export class Plan extends Look {
     return this.page.extent.map((e, i) => e + Math.max(this.apart * most[i], this.outside[i]));
   }
 
-  /** How much farther the incoming parts of all pictures reach out of the view's box, per axis. */
-  overhang() {
-    const { plan, parts, extent } = this.page;
-    const each = plan.steps.map((step, k) => {
-      const { place } = sceneAt(plan, this.pictureAt(k), this.reach).on;
-      return overhang(step.parts, parts, extent, step.parts.map(() => place));
-    });
-    return [0, 1, 2].map((i) => Math.max(0, ...each.map((beyond) => beyond[i])));
-  }
-
   key(key) {
     if (!this.count) return false;
     if (key === " ") this.play();
@@ -107,22 +93,12 @@ export class Plan extends Look {
 
   /** Go to the picture of step k, in which its part is close to its seat. */
   show(k) {
-    this.go(this.pictureAt(k), true);
-  }
-
-  pictureAt(k) {
-    const { plan, parts } = this.page;
-    const radius = Math.max(...plan.steps[k].parts.map((part) => parts.radius[part]));
-    return pictureTime(plan, k, radius, this.reach);
+    this.go(this.film.pictureAt(k), true);
   }
 
   /** Go one step back (-1) or forward (1), from picture to picture. */
   jump(step) {
-    const [k] = stepAt(this.page.plan.steps, this.time);
-    if (step > 0 && this.time < this.pictureAt(k) - 1e-6) this.show(k);
-    else if (step > 0 && k + 1 === this.count) this.go(this.count, true);
-    else if (step < 0 && this.time > this.pictureAt(k) + 1e-6) this.show(k);
-    else this.show(Math.max(0, k + step));
+    this.go(this.film.jumped(this.time, step), true);
   }
 
   /** Show the film at a time [steps]. */
@@ -132,7 +108,7 @@ export class Plan extends Look {
     this.time = Math.max(0, Math.min(this.count, time));
     if (this.count) {
       id("scrub").value = String(this.time);
-      const [k] = stepAt(this.page.plan.steps, this.time);
+      const [k] = this.film.stepAt(this.time);
       if (k !== this.told) this.tellStep(k);
       const word = this.time >= this.count ? "assembled" : `step ${k + 1} of ${this.count}`;
       id("when").textContent = word;
@@ -159,7 +135,7 @@ export class Plan extends Look {
       let time = Math.min(this.count, from + Math.max(0, now - began) / pace);
       const over = time >= this.count;
       // with reduced motion, one picture per step
-      if (still && !over) time = this.pictureAt(Math.floor(time));
+      if (still && !over) time = this.film.pictureAt(Math.floor(time));
       this.go(time);
       if (over) this.pause();
       else requestAnimationFrame(step);
@@ -188,102 +164,13 @@ export class Plan extends Look {
   /** Place parts, states and arrows for the current time of the film. */
   repose() {
     if (!this.stage) return;
-    this.place(this.time);
-    this.arrows(this.time);
+    this.film.place(this.time, this.apart);
+    const most = this.film.arrows(this.time);
+    id("force-label").textContent = most ? `support forces, up to ${force(most)}` : "support forces";
+    this.drawLines();
     this.marks();
     this.names.place();
     this.stage.draw();
-  }
-
-  place(time) {
-    const { parts } = this.stage;
-    const { plan } = this.page;
-    const shifts = this.spread();
-    const turns = [];
-    parts.moving.fill(0);
-    parts.gripped.fill(0);
-    parts.present.fill(1);
-    for (const { part } of plan.falls) parts.moving[part] = 1;
-    if (this.count) {
-      const now = sceneAt(plan, time, this.reach);
-      const { direction } = plan.steps[now.step];
-      for (let k = 0; k < parts.count; k += 1) parts.present[k] = now.present.has(k) ? 1 : 0;
-      for (const part of now.gripped) parts.gripped[part] = 1;
-      for (const part of now.moving) parts.moving[part] = 1;
-      if (now.on) {
-        for (const part of plan.steps[now.step].parts) {
-          shifts[part] = now.on.place.map((c, i) => c + shifts[part][i]);
-          if (now.turn) turns[part] = turn(...direction.map((c) => c * now.turn));
-        }
-      }
-      this.now = now;
-    }
-    parts.carry(shifts, turns);
-    parts.states();
-  }
-
-  /** Displacement of each part by the explode slider: back along its path. */
-  spread() {
-    const { explode } = this.page.plan;
-    const apart = this.apart;
-    return Array.from({ length: this.page.parts.radius.length }, (_, k) =>
-      [0, 1, 2].map((i) => apart * explode[3 * k + i]),
-    );
-  }
-
-  arrows(time, small = false) {
-    const { stage, page } = this;
-    const { plan } = page;
-    const [k, done] = this.count ? stepAt(plan.steps, time) : [0, 1];
-    const step = plan.steps[k];
-    const under = this.count && done < 1;
-    stage.motion.set(this.motions(under && step, small));
-    const long = 0.5 * page.radius * Number(id("force-size").value);
-    let [label, most] = ["support forces", 0];
-    const forces = !small && under && id("show-forces").checked && step.support;
-    if (!small) id("size-row").hidden = !forces;
-    if (forces && forces.points.length) {
-      const drawn = forceArrows(stage, forces, long);
-      most = drawn.most;
-      stage.forces.set({ straight: drawn.straight });
-      label = `support forces, up to ${force(most)}`;
-    } else stage.forces.set({});
-    stage.hands.set(forces ? this.handArrows(step, long, most) : {});
-    id("force-label").textContent = label;
-    this.drawLines();
-  }
-
-  /** Arrows of the part that is being inserted, or of the parts that would fall. */
-  motions(step, small) {
-    const { stage, page } = this;
-    const falls = step ? step.hands.filter((hand) => hand.motion).slice(0, 1) : page.plan.falls;
-    if (!small && id("show-motion").checked && falls.length) {
-      const lists = falls.map((fall) => motionArrows(stage, fall.motion, fall.moves, 0.6 * this.long));
-      return {
-        straight: lists.flatMap((list) => list.straight),
-        round: lists.flatMap((list) => list.round),
-      };
-    }
-    const { on } = this.now || {};
-    if (!step || !on || !(on.ahead > 0)) return {};
-    const straight = step.parts.map((part) => {
-      const wide = Math.max(1.3 * page.parts.radius[part], 0.3 * this.long);
-      const size = Math.min(on.ahead, 2.6 * wide);
-      return { at: stage.parts.centre(part), along: on.heading, size, wide: Math.min(wide, 2.5 * size) };
-    });
-    return { straight };
-  }
-
-  /** Arrows of the hand forces, to the scale of the contact forces, at most twice the longest. */
-  handArrows(step, long, most) {
-    const straight = step.hands
-      .filter((hand) => hand.force && Math.hypot(...hand.force) > 0)
-      .map((hand) => {
-        const share = most ? Math.hypot(...hand.force) / most : 1;
-        const size = long * Math.max(0.12, Math.min(2, share));
-        return { at: this.stage.parts.centre(hand.part), along: hand.force, size, wide: Math.max(0.8 * size, 0.3 * long) };
-      });
-    return { straight };
   }
 
   /** Draw a line from each displaced part to its seat. */
@@ -291,11 +178,11 @@ export class Plan extends Look {
     const { stage, page } = this;
     const points = [];
     if (this.apart > 0) {
+      const shifts = this.film.spread(this.apart);
       for (let k = 0; k < stage.parts.count; k += 1) {
         const at = page.parts.center.subarray(3 * k, 3 * k + 3);
-        const shift = [0, 1, 2].map((i) => this.apart * page.plan.explode[3 * k + i]);
-        if (!stage.parts.shown(k) || !Math.hypot(...shift)) continue;
-        points.push(...at, ...shift.map((c, i) => c + at[i]));
+        if (!stage.parts.shown(k) || !Math.hypot(...shifts[k])) continue;
+        points.push(...at, ...shifts[k].map((c, i) => c + at[i]));
       }
     }
     stage.drawLines(points);
@@ -304,22 +191,7 @@ export class Plan extends Look {
   /** Paint the small picture of step k; the large picture is restored afterwards. */
   paint(k, canvas) {
     if (!this.stage) return;
-    const [apart, time] = [this.apart, this.pictureAt(k)];
-    const { stage } = this;
-    const were = [stage.parts.patches, stage.parts.edges].map((object) => object.visible);
-    const { selected } = stage.parts;
-    this.apart = 0;
-    stage.parts.selected = new Set();
-    stage.parts.patches.visible = false;
-    stage.parts.edges.visible = true;
-    this.place(time);
-    this.arrows(time, true);
-    stage.loads.set({});
-    stage.open.set({});
-    stage.snap(canvas);
-    this.apart = apart;
-    stage.parts.selected = selected;
-    [stage.parts.patches.visible, stage.parts.edges.visible] = were;
+    this.film.paint(k, canvas);
     this.repose();
   }
 

@@ -15,7 +15,7 @@ import { reachOf } from "./pose.js";
 import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
 import { Places } from "./workbench/places.js";
-import { basis, gapWords, degrees, direction, force, marginWords, movingWords, number, plainly, pullWords } from "./words.js";
+import { basis, gapWords, degrees, direction, force, marginWords, movingWords, number, plainly, pullWords, shortened } from "./words.js";
 
 const SIGNS = {
   stable: "✓",
@@ -111,8 +111,19 @@ export class Report extends Look {
     stage.home();
     id("see-through").value = String(THROUGH);
     id("see-through-of").value = "rest";
+    this.veiled = true;
     this.seeThrough();
     this.legend();
+  }
+
+  /** Make the parts opaque again that `reveal` has made transparent, once no part moves. */
+  unveil() {
+    if (!this.veiled || this.movers().length) return;
+    this.veiled = false;
+    id("see-through").value = "0";
+    this.seeThrough();
+    this.legend();
+    this.stage.draw();
   }
 
   // gravity ---------------------------------------------------------------------------
@@ -385,7 +396,7 @@ export class Report extends Look {
     id("sign").textContent = SIGNS[found.verdict] || "?";
     id("verdict").textContent = page.words[found.verdict] || found.verdict;
     id("sentence").textContent = found.sentence
-      ? plainly(found.sentence, page.words[found.verdict])
+      ? shortened(page, plainly(found.sentence, page.words[found.verdict]))
       : marginWords(page, found);
     const gone = this.stage ? this.movers().filter((k) => !this.stage.parts.visible[k]).length : 0;
     const lines = [movingWords(page, found, gone)];

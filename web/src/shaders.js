@@ -31,10 +31,30 @@ void place() {
 `;
 
 const CUT = `
-uniform vec4 plane;
+uniform vec4 planes[3];
 uniform bool cutting;
 in vec3 root;
-bool cutAway() { return cutting && dot(plane.xyz, root) > plane.w; }
+// a plane without a normal cuts nothing
+bool cutAway() {
+  if (cutting) for (int k = 0; k < 3; k++) if (dot(planes[k].xyz, root) > planes[k].w) return true;
+  return false;
+}
+`;
+
+/** Where a line of sight enters the half spaces that are kept, and where it leaves them. */
+const SIGHT = `${CUT}
+uniform vec3 eye;
+// the shares of the way from the eye to the root; without an entry the first is negative
+vec2 kept(vec3 ray) {
+  vec2 ends = vec2(-1.0, 1e9);
+  for (int k = 0; k < 3; k++) {
+    float rate = dot(planes[k].xyz, ray);
+    float left = planes[k].w - dot(planes[k].xyz, eye);
+    if (rate < 0.0) ends.x = max(ends.x, left / rate);
+    if (rate > 0.0) ends.y = min(ends.y, left / rate);
+  }
+  return ends;
+}
 `;
 
 export const vertex = `${PLACE}
@@ -63,12 +83,14 @@ void main() {
   if (cutAway() || (state.w > 0.5) != veil) discard; // transparent parts have a pass of their own
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   vec3 base = colour.rgb;
-  if (state.y > 0.5) base = mix(base, hatch, 0.6 * stripes(9.0));
+  if (state.y > 0.5 && state.y < 1.5) base = mix(base, hatch, 0.6 * stripes(9.0)); // a table has a grid
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);
   vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
-  if (state.z > 3.5) lit = mix(lit, grip, 0.18 + 0.62 * stripes(9.0));
-  if (mod(state.z, 2.0) > 0.5) lit = mix(lit, picked, 0.25 + 0.6 * stripes(7.0));
+  float marks = mod(state.z, 8.0);
+  if (marks > 3.5) lit = mix(lit, grip, 0.18 + 0.62 * stripes(9.0));
+  if (state.z > 7.5) lit = mix(lit, picked, 0.22);
+  if (mod(marks, 2.0) > 0.5) lit = mix(lit, picked, 0.25 + 0.6 * stripes(7.0));
   result = vec4(lit, veil ? opacity : 1.0);
 }
 `;
@@ -79,19 +101,19 @@ void main() {
  * is drawn half way between the plane and itself, nearest first, before everything behind it.
  */
 export const cap = `precision highp float;
-${CUT}
+${SIGHT}
 uniform highp mat4 projectionMatrix;
 uniform highp mat4 modelViewMatrix;
-uniform vec3 eye;
 uniform float dense;
 flat in vec4 colour;
 flat in vec4 state;
 in vec3 seen;
 out vec4 result;
 void main() {
-  if (cutAway()) discard;
   vec3 ray = root - eye;
-  float t = (plane.w - dot(plane.xyz, eye)) / dot(plane.xyz, ray);
+  vec2 ends = kept(ray);
+  float t = ends.x;
+  if (t <= 0.0 || t >= 1.0 || t >= ends.y) discard;
   vec4 at = projectionMatrix * modelViewMatrix * vec4(eye + t * ray, 1.0);
   float depth = 0.5 + 0.5 * at.z / at.w;
   gl_FragDepth = mix(depth, gl_FragCoord.z, 0.5);
@@ -102,10 +124,10 @@ void main() {
 
 /** Draws nothing; for counting faces in the stencil. */
 export const nothing = `precision highp float;
-${CUT}
+${SIGHT}
 out vec4 result;
 void main() {
-  if (cutAway()) discard;
+  if (kept(root - eye).x >= 1.0) discard; // before the line of sight enters
   result = vec4(0.0);
 }
 `;
@@ -120,8 +142,9 @@ flat in vec4 state;
 out vec4 result;
 void main() {
   if (cutAway()) discard;
-  bool gripped = state.z > 3.5;
-  bool moves = state.z > 1.5 && !gripped;
+  float marks = mod(state.z, 8.0);
+  bool gripped = marks > 3.5;
+  bool moves = marks > 1.5 && !gripped;
   result = vec4(gripped ? grip : moves ? accent : ink, gripped || moves ? 1.0 : strength * (state.w > 0.5 ? 0.5 : 1.0));
 }
 `;
@@ -189,5 +212,21 @@ void main() {
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
   result = vec4(plain ? ink : mix(ink, full, share) * (0.8 + 0.3 * key), 1.0);
+}
+`;
+
+/** The shadow of the parts on the ground: darker where they are near to it; tables throw none. */
+export const shadow = `precision highp float;
+uniform vec3 up;
+uniform float base;
+uniform float range;
+flat in vec4 colour;
+flat in vec4 state;
+in vec3 root;
+out vec4 result;
+void main() {
+  if (state.y > 1.5) discard;
+  float near = 1.0 - clamp((dot(up, root) - base) / range, 0.0, 1.0);
+  result = vec4(near * near, 0.0, 0.0, 1.0);
 }
 `;

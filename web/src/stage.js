@@ -21,14 +21,17 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Arrows } from "./arrows.js";
 import { Ghost } from "./ghost.js";
+import { Ground } from "./ground.js";
 import { Parts } from "./parts.js";
 import { PlaceLayer } from "./place_layer.js";
 import { sphereView } from "./sphere.js";
 import { meet } from "./surface.js";
 import { scaled, unit } from "./vector.js";
 
-const OPENING = (30 * Math.PI) / 180; // vertical angle of view [rad]
+const WIDE = 30; // vertical angle of view with perspective [deg]
+const NARROW = 0.8; // and without: from so far away that parallel lines stay parallel [deg]
 const SLOW = 55; // slower pictures switch to plain drawing [ms]
+const ROOM = 0.88; // share of the sphere around the parts that is in view [-]
 const DOWN = new Vector3(0, -1, 0);
 
 ColorManagement.enabled = false; // the colours of the style are used unchanged
@@ -40,7 +43,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, stencil: true });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setClearColor(new Color(0), 0);
-    this.camera = new PerspectiveCamera(30, 1, page.radius / 50, page.radius * 60);
+    this.camera = new PerspectiveCamera(WIDE, 1, 1, 2);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     this.scene = new Scene();
@@ -58,7 +61,8 @@ export class Stage {
     this.lines.visible = false;
     this.ghost = new Ghost();
     this.places = new PlaceLayer();
-    this.root.add(this.parts.group, this.lines, this.ghost.group, this.places.group);
+    this.ground = new Ground(page, this.parts);
+    this.root.add(this.parts.group, this.ground.mesh, this.lines, this.ghost.group, this.places.group);
     this.scene.add(this.root);
     // arrows are drawn after the parts, with a separate depth buffer, so that they lie on top
     this.over = new Scene();
@@ -91,15 +95,40 @@ export class Stage {
     this.draw();
   }
 
-  /** Put a camera at the default view, far enough to show the box around the parts. */
-  frame(camera) {
-    this.aim(camera, new Spherical(1, ...this.opening));
+  /** Half of the vertical angle of view [rad]. */
+  get halfAngle() {
+    return (this.camera.fov * Math.PI) / 360;
   }
 
-  aim(camera, place) {
+  /** Switch perspective off or on; the parts keep their size in the picture. */
+  flatten(flat) {
+    const before = Math.tan(this.halfAngle);
+    this.camera.fov = flat ? NARROW : WIDE;
+    const { target } = this.controls;
+    const away = this.camera.position.clone().sub(target).multiplyScalar(before / Math.tan(this.halfAngle));
+    this.camera.position.copy(target).add(away);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Set the nearest and the farthest distance that a camera shows. */
+  clip(camera) {
+    const { radius } = this.page;
+    const away = camera.position.length();
+    camera.near = Math.max(radius / 50, away - 30 * radius);
+    camera.far = away + 60 * radius;
+    camera.updateProjectionMatrix();
+  }
+
+  /** Put a camera at the default view, far enough to show the box around the parts. */
+  frame(camera, room = ROOM) {
+    this.aim(camera, new Spherical(1, ...this.opening), room);
+  }
+
+  aim(camera, place, room = ROOM) {
     camera.position.setFromSpherical(place);
     camera.lookAt(0, 0, 0);
-    camera.position.setLength(this.reach(camera));
+    camera.position.setLength(this.reach(camera, room));
   }
 
   /** Show the assembly from a direction, in the axes of the file: from it towards the assembly. */
@@ -128,7 +157,7 @@ export class Stage {
     const reach = list.reduce((most, k, n) => Math.max(most, radius[k] + Math.hypot(...at[n].map((c, i) => c - middle[i]))), least);
     const away = this.camera.position.clone().sub(this.controls.target);
     const target = new Vector3(...middle).applyQuaternion(this.root.quaternion);
-    away.setLength((1.9 * reach) / Math.sin(OPENING / 2) / Math.min(1, this.camera.aspect));
+    away.setLength((1.9 * reach) / Math.sin(this.halfAngle) / Math.min(1, this.camera.aspect));
     this.controls.target.copy(target);
     this.camera.position.copy(target).add(away);
     this.controls.update();
@@ -150,8 +179,10 @@ export class Stage {
     const old = this.parts;
     this.page = page;
     this.parts = new Parts(page);
-    this.root.remove(old.group);
-    this.root.add(this.parts.group);
+    this.root.remove(old.group, this.ground.mesh);
+    this.ground.dispose();
+    this.ground = new Ground(page, this.parts);
+    this.root.add(this.parts.group, this.ground.mesh);
     this.parts.edges.visible = !this.isPlain;
     this.parts.shared.dense.value = old.shared.dense.value;
     old.dispose();
@@ -159,18 +190,18 @@ export class Stage {
     const shift = new Vector3(...middle).applyQuaternion(this.root.quaternion);
     this.controls.target.add(shift);
     this.camera.position.add(shift);
-    this.camera.near = page.radius / 50;
-    this.camera.far = page.radius * 60;
-    this.camera.updateProjectionMatrix();
     this.upright = upright(page.given.down);
     this.controls.update();
   }
 
-  /** Distance at which a camera shows the whole box around the parts, in its current orientation. */
-  reach(camera) {
-    const tangent = Math.tan(OPENING / 2);
+  /**
+   * Distance at which a camera shows the whole box around the parts, in its current orientation;
+   * `room`: share of the sphere around the box that stays in view when it turns.
+   */
+  reach(camera, room = ROOM) {
+    const tangent = Math.tan(this.halfAngle);
     const back = camera.quaternion.clone().invert();
-    let far = (0.88 * Math.hypot(...this.extent)) / Math.sin(OPENING / 2); // room to turn
+    let far = (room * Math.hypot(...this.extent)) / Math.sin(this.halfAngle); // room to turn
     for (let k = 0; k < 8; k += 1) {
       const corner = new Vector3(...this.extent.map((e, i) => ((k >> i) & 1 ? e : -e)));
       corner.applyQuaternion(this.root.quaternion).applyQuaternion(back);
@@ -201,10 +232,15 @@ export class Stage {
     if (!width || !height) return;
     const first = !this.size;
     if (!first && this.size[0] === width && this.size[1] === height) return;
+    const turned = !first && this.size[0] < this.size[1] !== width < height; // a phone was turned
     this.size = [width, height];
     this.sharpen();
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    const shape = () => {
+      this.camera.aspect = width / height;
+      this.camera.updateProjectionMatrix();
+    };
+    if (turned) this.refit(shape);
+    else shape();
     if (first) {
       this.home();
       this.begun();
@@ -306,9 +342,10 @@ export class Stage {
   /** Part numbers, counted from 1, in `width` x `height` pixels; the bottom row first. */
   numbers(width, height) {
     const { renderer, camera, parts } = this;
-    const hidden = [parts.veil, parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group, this.places.group];
+    const hidden = [this.ground.mesh, parts.veil, parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group, this.places.group];
     const were = hidden.map((object) => object.visible);
     hidden.forEach((object) => (object.visible = false));
+    this.clip(camera);
     parts.faces.material = parts.material.number;
     this.target.setSize(width, height);
     renderer.setRenderTarget(this.target);
@@ -329,6 +366,12 @@ export class Stage {
     const at = new Vector3(...point).applyMatrix4(this.root.matrixWorld).project(this.camera);
     if (at.z > 1) return null;
     return [((at.x + 1) / 2) * this.size[0], ((1 - at.y) / 2) * this.size[1]];
+  }
+
+  /** Radius of a part in the picture [CSS px]. */
+  sizeOnScreen(k) {
+    const away = new Vector3(...this.parts.centre(k)).applyMatrix4(this.root.matrixWorld).distanceTo(this.camera.position);
+    return (this.page.parts.radius[k] / away / Math.tan(this.halfAngle)) * (this.size[1] / 2);
   }
 
   /**
@@ -392,10 +435,12 @@ export class Stage {
   }
 
   shoot(camera) {
+    this.clip(camera);
     this.scene.updateMatrixWorld();
+    if (!this.isPlain) this.ground.shade(this.renderer);
     this.overRoot.quaternion.copy(this.root.quaternion);
-    const { eye } = this.parts.material.cap.uniforms;
-    this.root.worldToLocal(eye.value.copy(camera.position));
+    const { material } = this.parts;
+    for (const name of ["cap", "back", "front"]) this.root.worldToLocal(material[name].uniforms.eye.value.copy(camera.position));
     this.renderer.clear();
     this.renderer.render(this.scene, camera);
     this.renderer.clearDepth();
@@ -405,8 +450,8 @@ export class Stage {
   /** Draw the current scene from the default view into a small canvas. */
   snap(canvas) {
     const { width, height } = canvas;
-    const camera = new PerspectiveCamera(30, width / height, this.page.radius / 50, this.page.radius * 60);
-    this.frame(camera);
+    const camera = new PerspectiveCamera(this.camera.fov, width / height, 1, 2);
+    this.frame(camera, 0);
     this.shootInto(canvas, camera);
   }
 
@@ -453,6 +498,7 @@ export class Stage {
     this.open.theme(style("open"), style("ink"));
     this.lines.material.color.set(style("soft"));
     this.ghost.theme(style);
+    this.ground.theme(style);
     this.places.theme(style);
     this.draw();
   }

@@ -43,7 +43,10 @@ export class Tree {
     this.found = null;
     if (text.trim()) {
       const matches = matcher(text);
-      this.found = names.map((_, k) => k).filter((k) => matches(names[k]));
+      const all = names.map((_, k) => k).filter((k) => matches(names[k]));
+      // parts whose own name matches come before parts of a group that matches
+      const own = (k) => matches(names[k].slice(names[k].lastIndexOf("/") + 1));
+      this.found = [...all.filter(own), ...all.filter((k) => !own(k))];
     }
     this.most = STEP;
     const some = Boolean(this.found && this.found.length);
@@ -85,9 +88,10 @@ export class Tree {
     if (group) element.setAttribute("aria-expanded", String(this.open.has(node.path)));
     put("span", "caret", group ? (this.open.has(node.path) ? "▾" : "▸") : "").setAttribute("aria-hidden", "true");
     const { mass, grounded, tails } = this.page.parts;
-    const label = node.label.includes("/") && !group ? tails[node.part] : node.label;
+    const label = this.list || (node.label.includes("/") && !group) ? tails[node.part] : node.label;
     const labels = group ? [] : labelsOf(this.page.parts, node.part).map(([key, text]) => `${key} ${text}`);
     put("bdi", "label", label).title = [node.path, ...labels].join("\n");
+    if (this.list && node.path.includes("/")) put("bdi", "path soft", node.path.slice(0, node.path.lastIndexOf("/")));
     const held = node.parts.filter((part) => grounded[part]).length;
     const marks = held ? (group && held < node.parts.length ? `${held} held` : "held") : "";
     put("span", "soft", marks);
@@ -110,7 +114,8 @@ export class Tree {
       const seen = !stage || node.parts.some((part) => stage.parts.visible[part]);
       element.classList.toggle("gone", !seen);
       const eye = element.lastChild;
-      eye.textContent = seen ? "hide" : "show";
+      eye.replaceChildren(eyeIcon(seen));
+      eye.title = seen ? "hide (v)" : "show (v)";
       eye.hidden = !stage;
       eye.setAttribute("aria-label", `${seen ? "hide" : "show"} ${node.path}`);
     });
@@ -181,7 +186,7 @@ export class Tree {
     } else if (event.key === "Enter" || event.key === " ") {
       if (node.more) this.more();
       else this.pick(k, event.key === " " ? { ctrlKey: true } : event);
-    } else if (event.key === "h" && !node.more) this.eye(node);
+    } else if (event.key === "v" && !node.more) this.eye(node);
     else return;
     event.preventDefault();
     if (!(event.key in moves)) this.focus(Math.min(this.at, this.rows.length - 1));
@@ -196,4 +201,19 @@ export class Tree {
     element.focus({ preventScroll: true });
     element.scrollIntoView({ block: "nearest" });
   }
+}
+
+const EYE = ["M1 8 C4 3 12 3 15 8 C12 13 4 13 1 8 Z", "M8 6 A2 2 0 1 0 8 10 A2 2 0 1 0 8 6 Z"];
+const CLOSED = ["M1 8 C4 3 12 3 15 8 C12 13 4 13 1 8 Z", "M3 14 L13 2"];
+
+/** The icon of a visible or of a hidden part. */
+function eyeIcon(seen) {
+  const make = (kind, attributes) => {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", kind);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    return element;
+  };
+  const icon = make("svg", { viewBox: "0 0 16 16", width: "15", height: "15", "aria-hidden": "true" });
+  icon.append(...(seen ? EYE : CLOSED).map((d) => make("path", { d })));
+  return icon;
 }

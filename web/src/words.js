@@ -2,6 +2,7 @@
 
 import { isThin } from "./cone.js";
 
+const SHORTENED = 500; // most parts whose names are shortened in a sentence
 const NO_ANGLE = 1e-9; // degrees, as in `kilter.tell.numbers`
 
 /** An angle [rad] in degrees with sensible digits. */
@@ -99,6 +100,15 @@ export function basis(page, found) {
   if (found.motion) return `${cone} Motion: solution of the displacement program without friction, from the stability map.`;
   if (found.forces) return `${cone} Forces: the forces of the cone's rays, combined with the same weights as the direction.`;
   return cone;
+}
+
+/** A sentence in which the names of parts in groups are short; long lists of parts are left alone. */
+export function shortened(page, sentence) {
+  const { names, tails } = page.parts;
+  if (names.length > SHORTENED) return sentence;
+  const grouped = names.map((name, k) => [name, tails[k]]).filter(([name, tail]) => name.includes("/") && name !== tail);
+  grouped.sort(([a], [b]) => b.length - a.length);
+  return grouped.reduce((text, [name, tail]) => text.replaceAll(name, tail), sentence);
 }
 
 /** A sentence without its leading verdict, because the banner already shows the verdict. */

@@ -2,26 +2,29 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { tailsOf } from "../src/tails.js";
 
-test("a long name becomes its shortest unique tail; a short name stays", () => {
+test("the last component comes first, and equal ones have what distinguishes them", () => {
   const names = [
     "plate",
     "l-bracket-assembly_1/nut-bolt-assembly_1/bolt",
+    "l-bracket-assembly_1/nut-bolt-assembly_12/bolt",
     "l-bracket-assembly_2/nut-bolt-assembly_1/bolt",
     "l-bracket-assembly_2/l-bracket",
     "voussoir-1",
     "voussoir-11",
   ];
-  const tails = tailsOf(names);
-  assert.deepEqual(tails.slice(0, 3), [
-    "plate",
-    "…1/nut-bolt-assembly_1/bolt",
-    "…2/nut-bolt-assembly_1/bolt",
-  ]);
-  assert.deepEqual(tails.slice(4), ["voussoir-1", "voussoir-11"]);
-  assert.equal(new Set(tails).size, names.length);
+  assert.deepEqual(tailsOf(names), ["plate", "bolt (1/1)", "bolt (1/12)", "bolt (2/1)", "l-bracket", "voussoir-1", "voussoir-11"]);
+});
+
+test("seventeen leaves of one name have seventeen short names", () => {
+  const names = Array.from({ length: 17 }, (_, k) => `box/leaf_${k}/solid`);
+  assert.deepEqual(tailsOf(names), names.map((_, k) => `solid (${k})`));
 });
 
 test("a name that is the end of another name stays distinguishable", () => {
-  const names = ["assembly of frames/left/bolt", "left/bolt"];
-  assert.deepEqual(tailsOf(names), ["…frames/left/bolt", "left/bolt"]);
+  const names = ["assembly of frames/left/bolt", "left/bolt", "bolt"];
+  assert.deepEqual(tailsOf(names), ["bolt (assembly of frames/left)", "bolt (left)", "bolt"]);
+});
+
+test("a long flat name becomes its shortest unique tail", () => {
+  assert.deepEqual(tailsOf(["a_very_long_name_of_a_part_7", "b"]), ["…part_7", "b"]);
 });

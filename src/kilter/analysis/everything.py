@@ -21,7 +21,7 @@ from kilter.analysis.margins.margin_steps import HELD_TRIED
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.regions.well import find_rests
-from kilter.analysis.turning.orientation import orient
+from kilter.analysis.turning.orientation import Orientation, orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict.displacement import find_displacement
 from kilter.analysis.verdict.verdict import Verdict
@@ -230,6 +230,26 @@ def only_given(verdict: Verdict) -> Everything:
     )
 
 
+def only_directions(verdict: Verdict, orientation: Orientation, tell: Tell) -> Everything:
+    """The answers of a page about other directions of gravity, for a known orientation."""
+    assembly, contacts = verdict.assembly, verdict.contact_set
+    notes: list[str] = []
+    stable, recommended, none = _directions(
+        assembly, contacts, verdict.effort, tell, notes, orientation
+    )
+    found = stable if stable is None else _with_rests(stable, assembly, contacts)
+    return replace(
+        only_given(verdict),
+        recommended=recommended,
+        region=None if found is None else found.to_dict(),
+        inner=None if found is None or found.gap_deg is None else found.cone,
+        none=none,
+        rays=() if stable is None else _ray_forces(assembly, contacts, stable),
+        map=None if stable is None else _map(assembly, contacts, tell, notes),
+        notes=tuple(notes),
+    )
+
+
 def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
     """The full answer for a verdict and its direction of gravity, with forces if it holds."""
     answer, down = verdict.to_dict(), verdict.assembly.down
@@ -276,11 +296,17 @@ def _free_count(assembly: Assembly) -> int:
 
 
 def _directions(
-    assembly: Assembly, contacts: ContactSet, effort: float, tell: Tell, notes: list[str]
+    assembly: Assembly,
+    contacts: ContactSet,
+    effort: float,
+    tell: Tell,
+    notes: list[str],
+    known: Orientation | None = None,
 ) -> tuple[Region | None, Answered | None, bool]:
     """The stable region, the answer for its best direction, and whether no direction is stable.
 
-    Reasons for omitted answers are appended to `notes`.
+    `known` is the answer of `kilter.orient`, if it exists already. Reasons for omitted answers are
+    appended to `notes`.
     """
     free = _free_count(assembly)
     if free > REGION_PARTS:
@@ -290,8 +316,8 @@ def _directions(
         )
         return None, None, False
     try:
-        if free <= NEAREST_PARTS:
-            answer = orient(assembly, contacts=contacts, progress=tell)
+        if known is not None or free <= NEAREST_PARTS:
+            answer = known or orient(assembly, contacts=contacts, progress=tell)
             verdict = turned_verdict(assembly, contacts, answer.down, effort)
             stable = answer.stable_region
             if (stable.gap_deg or 0.0) > GAP_DEG:  # only its widest cone was refined

@@ -78,6 +78,11 @@ class CheckOptions:
         "A held part turns about its centre of mass: axis, and angle in degrees. Repeatable.",
         FORM,
     )
+    watch: bool = option(
+        "--watch",
+        "Check a single file anew whenever it is saved, and state what changed; Ctrl-C ends it.",
+        FORM,
+    )
     suggest: bool = option(
         "--suggest-joints", "List the pairs that look fastened, each with the joint to add.", FORM
     )
@@ -100,23 +105,32 @@ def check(asked: Asked, options: CheckOptions) -> int:
     Displacements are computed for up to 300 free parts, neutral motions for up to 100, and second
     order for up to 20.
     """
-    from kilter.contact.fits.suggestions import suggest_joints
-    from kilter.tell.tables import forces_table, movement_tables, ranges_table
-    from kilter.tell.text import suggestions_text
-
     if len(options.files) > 1:
         moved = options.move or options.turn_support
-        if asked.proof is not None or options.forces or options.between or options.suggest or moved:
+        single = options.forces or options.between or options.suggest or options.watch or moved
+        if asked.proof is not None or single:
             alone = (
                 "--proof"
                 if asked.proof is not None
-                else "--forces, --between, --move, --turn-support, --suggest-joints"
+                else "--forces, --between, --move, --turn-support, --suggest-joints, --watch"
             )
             raise InputError(
                 f"{len(options.files)} files are given", hint=f"give a single file with {alone}"
             )
         return check_each(asked, options.files, lambda each: _check_file(each, options)[1])
-    asked = asked.of_file(options.files[0])
+    if options.watch:
+        from kilter.cli.watching import watch_file
+
+        return watch_file(options.files[0], lambda file: _tell_check(asked.of_file(file), options))
+    return _tell_check(asked.of_file(options.files[0]), options)[0]
+
+
+def _tell_check(asked: Asked, options: CheckOptions) -> tuple[int, dict[str, Any]]:
+    """Check a file and print the answer; return the exit code and the answer."""
+    from kilter.contact.fits.suggestions import suggest_joints
+    from kilter.tell.tables import forces_table, movement_tables, ranges_table
+    from kilter.tell.text import suggestions_text
+
     verdict, answer = _check_file(asked, options)
     after = asked.keep_proof(None if verdict.evidence is None else verdict.proof, answer)
     if options.suggest:
@@ -134,7 +148,7 @@ def check(asked: Asked, options: CheckOptions) -> int:
     tables += [] if movement is None else movement_tables(answer)
     tables += [forces_table(answer)] if options.forces else []
     asked.tell(answer, *tables, after=after, bricks=bricks)
-    return code_of(answer)
+    return code_of(answer), answer
 
 
 def _ranges(verdict: Verdict, options: CheckOptions) -> tuple[ForceRange, ...] | None:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
 
 
+VIVID = (0.575, 0.88)
+"""Largest saturation and brightness of a stated colour in a picture [-]."""
 SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
 """Shares of white (positive) or black (negative) mixed into the colours of successive copies."""
 
@@ -31,8 +33,31 @@ def assembly_colours(assembly: Assembly, shape: ArrayLike) -> NDArray[np.uint8]:
         if stated is None and part.color is not None and tells_apart:
             stated = rgb(part.color)
         if stated is not None:
-            colours[k] = stated
+            colours[k] = stated if part.brick is not None else softened(stated)
     return colours
+
+
+def softened(colour: ArrayLike) -> NDArray[np.uint8]:
+    """A stated colour with at most `VIVID` of its saturation and brightness, from 0 to 255.
+
+    CAD programs state pure colours, which hide arrows and edges.
+
+    Examples
+    --------
+    >>> softened([0, 255, 0]).tolist(), softened([120, 130, 140]).tolist()
+    ([95, 224, 95], [120, 130, 140])
+    """
+    rgb_ = np.asarray(colour, dtype=np.float64) / 255
+    bright = rgb_.max()
+    if bright == 0:
+        return np.asarray(colour, dtype=np.uint8)
+    saturation = 1 - rgb_.min() / bright
+    share = min(1.0, VIVID[0] / saturation) if saturation > 0 else 1.0
+    soft = (bright - share * (bright - rgb_)) * min(1.0, VIVID[1] / bright)
+    result: NDArray[np.uint8] = np.round(255 * (soft if saturation > VIVID[0] else rgb_)).astype(
+        np.uint8
+    )
+    return result
 
 
 def part_colours(shape: ArrayLike, grounded: ArrayLike) -> NDArray[np.uint8]:

@@ -147,7 +147,6 @@ WORKBENCH = {
     "later": "bench_forces.html ball.html",
     "motion": "motion.html",
     "player": "bench_tabs.html fall.html",
-    "body": "bench_body.html",
 }
 """Asset files of the workbench, by the slot of the template."""
 

@@ -19,7 +19,7 @@ from kilter.arrays import Array
 from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix
 from kilter.show.glb_film import Film, xyzw
 from kilter.show.packing import pack, readable
-from kilter.show.scene import build_things
+from kilter.show.scene import build_things, view_box
 from kilter.show.sections import (
     facts_html,
     graph_svg,
@@ -137,29 +137,36 @@ FARTHEST = 1.1
 def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
     """JSON data of a plan's page: shapes, steps with paths, hands and forces."""
     states = order.states
-    assembly, answer = states.assembly, order.to_dict()
-    things = build_things(assembly, states.contacts)
-    center = np.array(things["center"])
+    things = build_things(states.assembly, states.contacts)
+    return {
+        **things,
+        "given": {"down": states.assembly.down.tolist()},
+        "recommended": None,
+        "region": None,
+        "plan": build_film(order, explained, np.array(things["center"])),
+    }
+
+
+def build_film(order: Order, explained: Explained, center: Array) -> dict[str, Any]:
+    """JSON data of the steps of a plan, without the shapes and parts of its assembly.
+
+    Arguments: `center` (3,): middle of the picture [length unit].
+    """
+    assembly, answer = order.states.assembly, order.to_dict()
     steps = [
         _step(assembly, step, support, center)
         for step, support in zip(answer["steps"], explained.supports, strict=True)
     ]
-    sentence = answer["sentence"]
+    radius = float(np.linalg.norm(view_box(assembly)[1]))
     return {
-        **things,
-        "given": {"down": assembly.down.tolist()},
-        "recommended": None,
-        "region": None,
-        "plan": {
-            "verdict": answer["verdict"],
-            "word": WORDS[answer["verdict"]],
-            "sentence": readable(sentence),
-            "more": readable("; ".join(f"{k}: {v}" for k, v in order_facts(answer)[:2])),
-            "base": [assembly.index[name] for name in answer["base"]],
-            "steps": steps,
-            "falls": _falls(order),
-            "explode": pack(_in_view(pulled_apart(assembly, answer["steps"]), things["radius"])),
-        },
+        "verdict": answer["verdict"],
+        "word": WORDS[answer["verdict"]],
+        "sentence": readable(answer["sentence"]),
+        "more": readable("; ".join(f"{k}: {v}" for k, v in order_facts(answer)[:2])),
+        "base": [assembly.index[name] for name in answer["base"]],
+        "steps": steps,
+        "falls": _falls(order),
+        "explode": pack(_in_view(pulled_apart(assembly, answer["steps"]), radius)),
     }
 
 

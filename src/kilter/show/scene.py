@@ -41,12 +41,24 @@ HELD_IN_VIEW = 1.5
 def build_scene(answers: Everything) -> dict[str, Any]:
     """JSON data of the page of an assembly: shapes, and the answers about it."""
     things = build_things(answers.assembly, answers.contacts)
-    center, recommended = np.array(things["center"]), answers.recommended
-    same = coincide(answers)
+    center = np.array(things["center"])
     return {
         **things,
         "given": build_orientation(answers, answers.given, center)
         | {"assumption": build_ladder(answers.given.check, answers.assembly)},
+        **build_directions(answers, center),
+        "change": _change(answers, center),
+        "notes": list(answers.notes),
+    }
+
+
+def build_directions(answers: Everything, center: Array) -> dict[str, Any]:
+    """JSON data of the gravity ball: the answers for other directions of gravity.
+
+    Arguments: `center` (3,): point to which positions are relative, world frame [length unit].
+    """
+    recommended, same = answers.recommended, coincide(answers)
+    return {
         "recommended": None
         if recommended is None or same
         else build_orientation(answers, recommended, center),
@@ -54,8 +66,6 @@ def build_scene(answers: Everything) -> dict[str, Any]:
         "region": _region(answers),
         "rays": _rays(answers, center),
         "map": _map(answers.map),
-        "change": _change(answers, center),
-        "notes": list(answers.notes),
     }
 
 
@@ -150,6 +160,7 @@ def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
         "mass": pack(geometry.mass, "f8"),
         "volume": pack(geometry.volume, "f8"),
         "grounded": pack(geometry.grounded, "u1"),
+        "table": pack(np.array([part.table for part in assembly.parts]), "u1"),
         "colour": pack(assembly_colours(assembly, places.shape), "u1"),
         **_labels(assembly),
     }

@@ -23,6 +23,7 @@ from kilter.tell.tables import (
     moving_table,
     open_table,
     push_table,
+    ranges_table,
     sentences,
     tables,
 )
@@ -102,6 +103,12 @@ def answer_html(answer: Mapping[str, Any]) -> str:
     if warnings:
         body.append(f"<h3>Warnings</h3><ul>{warnings}</ul>")
     return first + "".join(body)
+
+
+def ranges_html(data: Mapping[str, Any]) -> str:
+    """HTML of ranges of contact forces: a sentence and a table."""
+    table = ranges_table(data)
+    return f"<p>{text(data['sentence'])}</p><h3>{text(table.title)}</h3>{_table(table)}"
 
 
 def section(title: str, *body: str, rows: int = 0) -> str:

@@ -58,7 +58,7 @@ def draw_parts(
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    ordered = back_to_front(_polygons(assembly), camera)
+    ordered = back_to_front(part_polygons(assembly), camera)
     grounded = np.array([part.grounded for part in assembly.parts])
     if colours is None:
         colours = assembly_colours(assembly, place_shapes(assembly).shape)
@@ -103,7 +103,7 @@ def draw_parts(
     return [(sign, "held")], faces
 
 
-def _polygons(assembly: Assembly) -> list[Polygon]:
+def part_polygons(assembly: Assembly) -> list[Polygon]:
     """The triangles of all parts as polygons in the world."""
     places = place_shapes(assembly)
     matrices = quaternion_to_matrix(places.rotation)

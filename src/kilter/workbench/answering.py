@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from kilter.analysis.assumptions.assume import FASTENED
 from kilter.analysis.assumptions.rung_verdict import assumed
 from kilter.analysis.check import check, check_equilibrium
-from kilter.analysis.everything import MARGIN_PARTS, full_answer, only_given, turned_verdict
+from kilter.analysis.everything import MARGIN_PARTS, only_directions, only_given
+from kilter.analysis.force_ranges import ForceRange
 from kilter.analysis.margins.margin import margin
 from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
+from kilter.analysis.planning.order.explained import explain
+from kilter.analysis.planning.order.order import Order
 from kilter.analysis.planning.order.plan import plan
 from kilter.analysis.settled_pose.settle import settle
 from kilter.analysis.transport.transport import transport
-from kilter.analysis.turning.orientation import orient
+from kilter.analysis.turning.orientation import Orientation, orient
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -27,13 +31,15 @@ from kilter.errors import InputError, shell_words
 from kilter.files.own.choices import Choices, option_words
 from kilter.files.own.saved_entries import with_interactions
 from kilter.show.ladder_card import build_ladder
-from kilter.show.scene import build_orientation, build_things
-from kilter.show.sections import answer_html, placed_part
+from kilter.show.plan_scene import build_film
+from kilter.show.scene import build_directions, build_orientation, build_things
+from kilter.show.sections import answer_html, placed_part, ranges_html
 from kilter.tell.facts import facts
 from kilter.tell.levels import REQUIRE
 from kilter.tell.numbers import count
 from kilter.tell.open_words import lie_words
 from kilter.tell.scene_words import leaving_words, moved_words
+from kilter.units import metres_per_unit
 from kilter.workbench.live_assembly import OpenedParts, Prepared
 
 # The command line that reproduces what the workbench shows.
@@ -212,6 +218,10 @@ def _as_list(value: Any) -> Any:
 Tell = Callable[[str], None]
 PHASES = ("equilibrium", "complete")
 """Phases of an answer, in order: the first is quick, the second is the answer of `check`."""
+LASTING = ("stable", "settles")
+"""Verdicts that no decision of a pair can improve."""
+SAME_MOTION = 1e-6
+"""Twists closer than this are equal [largest twist]."""
 LISTED = 500
 """Largest number of open pairs and of suggestions that are sent to the page."""
 NOT_LISTED = ("seconds", "level")
@@ -300,11 +310,12 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
             "parts": pair["parts"],
             "kind": pair["kind"],
             "words": lie_words(pair, units),
-            "decides": bool(pair.get("decides")),
+            "decides": bool(pair.get("decides")) and data["verdict"] not in LASTING,
         }
         for pair in data["open_pairs"][:LISTED]
     ]
     suggestions = suggest_joints(verdict.assembly, verdict.contact_set) if complete else []
+    moves = _relative_motion(verdict)
     return {
         "phase": phase,
         "given": build_orientation(answers, answers.given, center)
@@ -313,13 +324,44 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         "warnings": list(data["warnings"]),
         "open": pairs,
         "suggestions": [
-            {"parts": list(one.parts), "kind": one.kind, "words": one.why, "fixed": one.fixed}
+            {
+                "parts": list(one.parts),
+                "kind": one.kind,
+                "words": one.why,
+                "fixed": one.fixed,
+                "decides": one.fixed and one.kind in FASTENED and moves(*one.parts),
+            }
             for one in suggestions[:LISTED]
         ],
-        "settle": settle_offer(verdict) if complete else None,
+        "settle": settle_offer(verdict) if complete and data["verdict"] not in LASTING else None,
         "html": answer_html(data) if complete else "",
         "check": {key: data[key] for key in ("verdict", "level", "why")},
     }
+
+
+def _relative_motion(verdict: Verdict) -> Callable[[str, str], bool]:
+    """Test of a pair of parts: whether they move relative to each other in the found motion.
+
+    A joint of a pair that moves as a single body, or rests, does not prevent the motion.
+    """
+    parts = [part for part in verdict.parts if part.acceleration is not None]
+    if not parts:
+        return lambda first, second: False
+    twists = np.array([part.acceleration for part in parts])
+    index = {part.name: k for k, part in enumerate(parts)}
+    assembly = verdict.assembly
+    at = assembly.geometry.center[[assembly.index[name] for name in index]]
+    at = at * metres_per_unit(assembly.units)
+    twists[:, :3] -= np.cross(twists[:, 3:], at)  # velocity of the point at the origin
+    size = float(np.abs(twists).max()) or 1.0
+
+    def differ(first: str, second: str) -> bool:
+        here = [index[name] for name in (first, second) if name in index]
+        rest = np.zeros(6)
+        one, other = [*twists[here], rest, rest][:2]
+        return float(np.abs(one - other).max()) > SAME_MOTION * size
+
+    return differ
 
 
 # tabs ----------------------------------------------------------------------------------
@@ -386,6 +428,29 @@ def _numbers(values: Any, what: str) -> list[float]:
         raise InputError(f"{what} is {values!r:.40}", hint="give numbers") from None
 
 
+def _forces(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    verdict = prepared_check(prepared, "complete", tell)
+    between = [tuple(options["between"])] if options.get("between") else None
+    words = ["--between", *options["between"]] if options.get("between") else ["--forces"]
+    return _Ranges(verdict.force_ranges(between)), words
+
+
+@dataclass(frozen=True, slots=True)
+class _Ranges:
+    """Ranges of contact forces as an answer."""
+
+    ranges: Sequence[ForceRange]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The data of the ranges, with a sentence."""
+        sentence = (
+            "Each force lies in this range in every equilibrium; each end has a proof."
+            if self.ranges
+            else "No contact forces are known that hold the assembly, so they have no range."
+        )
+        return {"ranges": [one.to_dict() for one in self.ranges], "sentence": sentence}
+
+
 def _contacts(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
     return prepared.contacts, []
 
@@ -397,9 +462,12 @@ TABS = {
     "hold": _hold,
     "transport": _transport,
     "place": _place,
+    "forces": _forces,
     "contacts": _contacts,
 }
 """Function of each tab: it returns the answer, and the further words of its command."""
+COMMANDS = {"forces": "check"}
+"""Command of each tab whose name is not that of its command."""
 
 
 def tab_data(
@@ -420,19 +488,24 @@ def tab_data(
         raise InputError(f"there is no tab {name!r:.40}", hint=f"use {', '.join(TABS)}")
     answer, words = TABS[name](prepared, options, progress)
     data = answer.to_dict()
-    orientation = None
-    if name == "orient" and data["found"]:
-        verdict = turned_verdict(prepared.assembly, prepared.contacts, data["down"])
-        answers = only_given(verdict)
-        orientation = build_orientation(answers, full_answer(verdict), center)
     return {
         "name": name,
         "data": data,
-        "html": answer_html(data),
+        "html": ranges_html(data) if name == "forces" else answer_html(data),
         "sentence": data.get("sentence", ""),
-        "command": command(name, keys, saved, words),
-        "orientation": orientation,
-        "place": placed_part(answer.prism)
-        if isinstance(answer, Places) and answer.prism is not None
-        else None,
+        "command": command(COMMANDS.get(name, name), keys, saved, words),
+        **_drawn_data(prepared, answer, center, progress),
     }
+
+
+def _drawn_data(prepared: Prepared, answer: Any, center: Array, progress: Tell) -> dict[str, Any]:
+    """Data of an answer for the picture: the gravity ball, the film of a plan, the placed part."""
+    if isinstance(answer, Orientation):
+        verdict = check_equilibrium(prepared.assembly, prepared.contacts)
+        directions = only_directions(verdict, answer, progress)
+        return {"ball": build_directions(directions, center)}
+    if isinstance(answer, Order):
+        return {"film": build_film(answer, explain(answer), center)}
+    if isinstance(answer, Places) and answer.prism is not None:
+        return {"place": placed_part(answer.prism)}
+    return {}

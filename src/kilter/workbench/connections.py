@@ -139,6 +139,23 @@ def index_of(message: Mapping[str, Any], key: str) -> int:
     return value
 
 
+def direction_of(message: Mapping[str, Any], key: str) -> list[float]:
+    """A direction in a message, three numbers that are not all 0.
+
+    Raises `InputError` if it is missing, or something else.
+    """
+    value = message.get(key)
+    if isinstance(value, list) and len(value) == 3 and all(map(_is_number, value)):
+        down = [float(x) for x in value]
+        if math.hypot(*down) > 0:
+            return down
+    raise InputError(f"{key} is {value!r:.60}", hint="give three numbers, not all 0")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def to_json(message: Mapping[str, Any]) -> str:
     """JSON text that every page can read: ASCII, and null for a number that is not finite."""
     try:

@@ -6,6 +6,7 @@ in a file after each change (autosave), so that no choice is lost if a process e
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError
+from kilter.files.writing import write_text
 from kilter.workbench.actions import apply, drag_of
 from kilter.workbench.connections import parse_message
 from kilter.workbench.live_assembly import OpenedParts
@@ -23,6 +25,10 @@ FORM = 1
 """Version of the form of the autosave file."""
 MOST_CHANGES = 5000
 """Largest number of changes, since a restart applies each again."""
+RECENT = "recent.json"
+"""Name of the list of recent files."""
+MOST = 8
+"""Largest number of recent files."""
 LONGEST_NAME = 200
 """Longest name of a file that the name of its autosave file repeats [bytes]."""
 
@@ -227,7 +233,28 @@ def upload_autosave_path(digest: str) -> Path:
 
     Arguments: `digest`: SHA-256 of the file: the same file that is dropped again finds its changes.
     """
+    return state_folder() / f"{digest[:32]}.json"
+
+
+def state_folder() -> Path:
+    """The user's folder for states of the workbench; it need not exist."""
     home = Path.home()
     default = home / "AppData" / "Local" if os.name == "nt" else home / ".local" / "state"
     folder = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or str(default)
-    return Path(folder) / "kilter" / "workbench" / f"{digest[:32]}.json"
+    return Path(folder) / "kilter" / "workbench"
+
+
+def recent_files() -> list[str]:
+    """Paths of the files that were opened last and still exist, the latest first."""
+    with contextlib.suppress(OSError, ValueError):
+        listed = json.loads((state_folder().parent / RECENT).read_text(encoding="utf-8"))
+        return [path for path in listed if isinstance(path, str) and os.path.isfile(path)][:MOST]
+    return []
+
+
+def remember_file(path: Path) -> None:
+    """Put a file at the top of the list of recent files; without write access nothing happens."""
+    paths = [str(path), *(other for other in recent_files() if other != str(path))][:MOST]
+    with contextlib.suppress(OSError, InputError):
+        state_folder().parent.mkdir(parents=True, exist_ok=True)
+        write_text(state_folder().parent / RECENT, json.dumps(paths), links=False)

@@ -16,13 +16,15 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.assumptions.rungs import rung_of
+from kilter.analysis.check import check_equilibrium
+from kilter.analysis.everything import only_given
 from kilter.arrays import Array
 from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import FREE_STANDING, TURNED, Question
 from kilter.errors import InputError
 from kilter.files.limits import only_below
 from kilter.files.own.choices import digest, find_choices
-from kilter.show.scene import view_box
+from kilter.show.scene import build_orientation, view_box
 from kilter.workbench.answering import (
     PHASES,
     answer_data,
@@ -218,6 +220,7 @@ class Jobs:
             "open": self._open,
             "answer": self._answer,
             "tab": self._tab,
+            "probe": self._probe,
             "settle": self._settle,
             "compare": self._compare,
             "export": self._export,
@@ -307,6 +310,15 @@ class Jobs:
             progress=_teller(report),
         )
         report("tab", data)
+
+    def _probe(self, job: Job, report: Report) -> None:
+        """Decide equilibrium for another direction of gravity; the contacts are kept."""
+        prepared = self._prepare_rung(job, report)
+        turned = prepared.assembly.with_down(np.array(job["down"]))
+        verdict = check_equilibrium(turned, prepared.contacts.of(turned))
+        center, _ = view_box(prepared.assembly)
+        answers = only_given(verdict)
+        report("probe", {"given": build_orientation(answers, answers.given, center)})
 
     def _settle(self, job: Job, report: Report) -> None:
         """Find the poses at rest, and report the action that moves the parts."""

@@ -31,7 +31,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from kilter.assembly import Assembly
 from kilter.errors import InputError, short_name
 from kilter.files.writing import dump
+from kilter.scenes.registry import scene
 from kilter.show.page import workbench_page
+from kilter.show.thumbnail import thumbnail
 from kilter.values.guesses import guarded
 from kilter.workbench.connections import (
     EVERY_ADDRESS,
@@ -43,7 +45,7 @@ from kilter.workbench.connections import (
     to_json,
 )
 from kilter.workbench.jobs import FAULT
-from kilter.workbench.session import Session
+from kilter.workbench.session import FEATURED, Session
 from kilter.workbench.uploads import receive_upload
 
 LOCAL = ("127.0.0.1", "localhost", "[::1]")
@@ -142,6 +144,12 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             headers={"Content-Disposition": f'attachment; filename="{name}"'},
         )
 
+    async def picture(request: Request) -> Response:
+        name = request.path_params["name"]
+        if name not in FEATURED:
+            raise InputError(f"there is no picture of {name!r:.40}")
+        return Response(thumbnail(scene(name)), media_type="image/svg+xml")
+
     async def live(socket: WebSocket) -> None:
         if guard.refusal(socket):
             await socket.close(4403)
@@ -154,6 +162,7 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             Route("/", guarded(page)),
             Route("/upload", guarded(upload), methods=["POST"]),
             Route("/export/{kind}", guarded(export)),
+            Route("/picture/{name}", guarded(picture)),
             WebSocketRoute("/live", live),
         ]
     )

@@ -26,13 +26,30 @@ from kilter.scenes.registry import SCENES, scene
 from kilter.tell.numbers import count
 from kilter.workbench.actions import ACTIONS
 from kilter.workbench.answering import command, needs_file, saved_name
-from kilter.workbench.connections import index_of, to_json
-from kilter.workbench.history import History, autosave_path, upload_autosave_path
+from kilter.workbench.connections import direction_of, index_of, to_json
+from kilter.workbench.history import (
+    History,
+    autosave_path,
+    recent_files,
+    remember_file,
+    upload_autosave_path,
+)
 from kilter.workbench.jobs import JobQueue, QueuedJob
 from kilter.workbench.live_assembly import MATERIALS, OpenedParts
 
 Send = Callable[[str], None]
-WATCH = 1.0
+FEATURED = {
+    "arch": "A stone arch: how far may it tilt, in which order is it built?",
+    "bracket": "A bracket on a post: what must friction carry?",
+    "books": "Eight books pressed together: may friction hold them?",
+    "harmonic-stack": "Ten blocks that overhang an edge, just balanced.",
+    "cad-export": "A lamp exported from CAD: play, a thread, a loose switch.",
+    "three-cylinders": "A log on two logs: does it come to rest?",
+}
+"""Examples that the start page shows with a picture, and their questions."""
+PASSED = ("scene", "answer", "tab", "action", "probe")
+"""Kinds of results of the worker process that concern the pages."""
+WATCH = 0.5
 """Interval at which the session looks for changes of the file [s]."""
 
 
@@ -117,6 +134,8 @@ class Session:
                 for one in MATERIALS
             ],
             "files": self._files(),
+            "recent": [{"name": Path(path).name, "path": path} for path in recent_files()],
+            "featured": FEATURED,
             "examples": _examples(),
             "busy": self._busy or None,
             "missing": _missing(),
@@ -165,6 +184,11 @@ class Session:
         elif what == "settle":
             self._require_file()
             self.jobs.add(self.state, {"job": "settle", "keys": self.history.keys}, tab="settle")
+        elif what == "probe":
+            self._require_file()
+            down = direction_of(message, "down")
+            job = {"job": "probe", "keys": self.history.keys, "down": down}
+            self.jobs.add(self.state, job, tab="probe")
         elif what == "compare":
             self._compare(message)
         elif what == "stop":
@@ -235,6 +259,10 @@ class Session:
         """Open a file of the folder, an uploaded file, or an example."""
         if message.get("example"):
             path = self._write_example(str(message["example"]))
+        elif message.get("recent"):
+            path = Path(str(message["recent"]))
+            if str(path) not in recent_files():
+                raise InputError(f"{path.name!r:.80} is not among the recent files")
         else:
             path = self._inside(str(message.get("file", "")))
         await self.open(path)
@@ -288,6 +316,8 @@ class Session:
         self.path = Path(opened["path"])
         bodies: OpenedParts = opened["bodies"]
         self._stamp = fingerprint(str(self.path))
+        if not self._is_upload:
+            remember_file(path)
         self.saved = self.saved_keys = None
         base = opened["keys"]
         if keys is None and path != self.path:  # a file of choices was opened
@@ -312,6 +342,8 @@ class Session:
     def _job_of(self, path: Path) -> dict[str, Any]:
         """The job that opens a file, with the folder whose files it may read."""
         folder = self.uploads if path.is_relative_to(self.uploads) else self.folder
+        if not path.is_relative_to(folder):
+            folder = path.parent  # a recent file of another folder
         return {"job": "open", "file": str(path), "folder": str(folder)}
 
     def _restore(self, bodies: OpenedParts, *, given: bool) -> None:
@@ -444,7 +476,7 @@ class Session:
 
     def _pass_on(self, job: QueuedJob, kind: str, data: Any) -> None:
         """Send a result of the present state to the pages, and keep it for later pages."""
-        if job.state != self.state or kind not in ("scene", "answer", "tab", "action"):
+        if job.state != self.state or kind not in PASSED:
             return
         if kind == "action":
             self._do(job, data)
@@ -454,6 +486,8 @@ class Session:
             self._sent.scene = message = {"is": "scene", "state": self.state, "page": data}
         elif kind == "answer":
             self._sent.answer = message = {"is": "answer", "state": self.state, **data}
+        elif kind == "probe":
+            message = {"is": "probe", "state": self.state, **data}
         else:
             message = {"is": "tab", "state": self.state, "error": "", **data}
             self._sent.tabs[data["name"]] = message

@@ -9,16 +9,22 @@ import { id, on } from "../dom.js";
 import { controls, press } from "../ladder.js";
 import { printWell } from "../paper.js";
 import { scrollPast } from "../scrolling.js";
-import { readTables } from "../tables.js";
 import { Decide } from "./decide.js";
 import { Forces } from "./forces.js";
 import { Link } from "./link.js";
+import { Help } from "./help.js";
+import { Layout } from "./layout.js";
 import { LoadDrag } from "./load_drag.js";
 import { LiveReport, pending, prepareParts } from "./live_report.js";
+import { readTables } from "../tables.js";
 import { PartActions } from "./part_actions.js";
+import { picture, video } from "./recording.js";
+import { SelectionBar } from "./selection_bar.js";
 import { Start, sentence } from "./start.js";
 import { Tabs } from "./tabs.js";
 
+const MAPPED = 60; // most free parts for which the gravity ball is coloured without a question
+const PROBE = 80; // least time between two questions about a direction of gravity [ms]
 const SHOWN = 6000; // a message of success is shown for this time [ms]
 
 export class Workbench {
@@ -26,6 +32,9 @@ export class Workbench {
     this.session = null;
     this.answer = null;
     document.body.classList.add("bench");
+    this.layout = new Layout();
+    this.layout.opened = (name) => name === "gravity" && this.mapDirections();
+    this.help = new Help();
     this.start = new Start(this);
     this.forces = new Forces(this);
     this.parts = new PartActions(this);
@@ -37,6 +46,7 @@ export class Workbench {
     on("undo", "click", () => this.act({ do: "undo" }));
     on("redo", "click", () => this.act({ do: "redo" }));
     on("save", "click", () => this.save());
+    on("show-help", "click", () => this.help.show());
     on("end-trouble", "click", () => (id("trouble").hidden = true));
     on("end-message", "click", () => (id("message").hidden = true));
     on("stop", "click", () => this.act({ do: "stop" }));
@@ -50,8 +60,9 @@ export class Workbench {
     this.link = new Link(token, (message) => this.hear(message), (connected) => this.connected(connected));
   }
 
-  /** Keys of the whole page: undo, redo, save. */
+  /** Keys of the whole page: undo, redo, save, help. */
   key(event) {
+    if (event.key === "?" && !event.target.matches?.("input, textarea, select")) this.help.show();
     if (!(event.ctrlKey || event.metaKey) || event.altKey || !this.session?.file) return;
     const writing = event.target.matches?.("input:not([type=range], [type=checkbox]), textarea");
     const name = event.key.toLowerCase();
@@ -102,7 +113,7 @@ export class Workbench {
   // messages --------------------------------------------------------------------------
 
   hear(message) {
-    const act = { session: "tellSession", scene: "showScene", answer: "showAnswer", problem: "tellProblem", progress: "tellProgress", tab: "showTab" }[message.is];
+    const act = { session: "tellSession", scene: "showScene", answer: "showAnswer", problem: "tellProblem", progress: "tellProgress", tab: "showTab", probe: "showProbe" }[message.is];
     if (act) this[act](message);
   }
 
@@ -128,6 +139,7 @@ export class Workbench {
     if (!open) id("show").hidden = true;
     else if (this.report && before && before.file === session.file) id("show").hidden = false;
     if (this.report) this.parts.tell();
+    this.bar?.tell();
     keepFocus();
     if (before && before.file !== session.file) {
       id("show").hidden = true; // until the parts of the other file arrive
@@ -174,6 +186,7 @@ export class Workbench {
     this.parts.tellLeftOut(page.left_out ?? []);
     this.forces.tell(this.session);
     this.parts.tell();
+    this.bar?.tell();
     this.stale();
     // the selected parts were left out: the keyboard goes on in the tree
     if (acted && id("part").hidden) this.report.tree.focus(this.report.tree.at);
@@ -184,12 +197,37 @@ export class Workbench {
     this.report = new LiveReport(page);
     this.report.ladder.choose = (row) => this.assume(row);
     this.report.told = () => this.tellPhase();
-    this.report.selected_ = () => this.parts.tell();
+    this.report.selected_ = () => {
+      this.parts.tell();
+      this.bar?.tell();
+    };
+    this.report.key = (key) => this.partKey(key);
+    this.report.unknown = (down) => this.probe(down);
     window.kilter = this.report;
     printWell(this.report, id("printed"));
     if (!this.report.stage) return;
     scrollPast(this.report.stage, id("picture"));
     new LoadDrag(this, id("picture"));
+    this.bar = new SelectionBar(this);
+    const { drawn } = this.report.stage;
+    this.report.stage.drawn = () => {
+      drawn();
+      this.bar.place();
+    };
+  }
+
+  /** Keys of the selected parts; returns whether the workbench uses the key. */
+  partKey(key) {
+    if (key === "Escape" && this.bar.joining >= 0) {
+      this.bar.joining = -1;
+      this.bar.tell();
+      this.note("");
+      return true;
+    }
+    const act = { h: () => this.parts.hold(), x: () => this.parts.leaveOut(), Delete: () => this.parts.leaveOut(), j: () => this.bar.startJoin() }[key];
+    if (!act || !this.report.selection.size) return false;
+    act();
+    return true;
   }
 
   showAnswer(message) {
@@ -206,12 +244,27 @@ export class Workbench {
     banner.dataset.phase = message.phase;
     banner.dataset.state = String(message.state);
     banner.setAttribute("aria-busy", String(message.phase !== "complete"));
+    markDeciding(this.report.page, message.open);
+    this.tellChange(message, given);
     this.report.answered(given);
     if (first) this.report.reveal();
+    else this.report.unveil();
+    if (this.layout.now === "gravity") this.mapDirections();
     this.decide.tell(message);
     id("answer-html").innerHTML = message.html ?? ""; // escaped by the server
     readTables(this.report.page, id("answer-section"));
     id("answer-section").hidden = !message.html;
+  }
+
+  /** After the file was read again, state the verdict until then and the verdict now. */
+  tellChange({ phase, check: { verdict } }, { sentence: words }) {
+    if (phase !== "complete") return;
+    const now = `${this.report.page.words[verdict] ?? verdict}`;
+    const before = this.last;
+    this.last = { now, words };
+    if (!before || !/^the file changed/.test(this.session.message)) return;
+    const change = before.now === now ? `still ${now.toLowerCase()}` : `was: ${before.words} Now: ${words}`;
+    this.note(`${this.session.message}; ${change}`, false);
   }
 
   /** State in the banner which phase the answer has. */
@@ -250,6 +303,27 @@ export class Workbench {
     if (!this.report && working) this.note(words && words !== "reading" ? `reading: ${words}` : "reading");
   }
 
+  showProbe({ state, given }) {
+    if (state === this.session.state) this.report?.showProbe(unpacked(given));
+  }
+
+  /** Compute the answers for other directions of gravity, of a small assembly, for the ball. */
+  mapDirections() {
+    const { tabs, report } = this;
+    if (!report || tabs.results.has("orient") || tabs.asked.has("orient")) return;
+    const free = report.page.parts.grounded.filter((held) => !held).length;
+    if (free <= MAPPED && this.answer?.phase === "complete") tabs.ask({}, "orient");
+  }
+
+  /** Ask for the verdict on another direction of gravity, at most once in a while. */
+  probe(down) {
+    this.wanted = down;
+    this.probing ??= setTimeout(() => {
+      this.probing = undefined;
+      this.link.send({ do: "probe", down: this.wanted });
+    }, PROBE);
+  }
+
   showTab(message) {
     if (message.state !== this.session.state) return;
     if (message.name === "settle") this.decide.refused(message);
@@ -272,18 +346,29 @@ export class Workbench {
     if (pair.length) this.report.bring(pair);
   }
 
-  /** Download a file that the server makes; `as`: the name of the download. */
-  async export(name, as = name) {
-    this.note(`${as} is being made`);
+  /** A file of a kind: the stage makes pictures and videos, the server makes the others. */
+  async made(name) {
+    if (name === "picture.png") return [await picture(this.report.stage), name];
+    if (name === "film.webm") {
+      const [blob, ending] = await video(this);
+      return [blob, `film.${ending}`];
+    }
+    const response = await fetch(this.link.address(`export/${name}`));
+    if (!response.ok) throw new Error(sentence(await response.json()));
+    return [await response.blob(), name];
+  }
+
+  /** Download a file; `as`: the name of the download. */
+  async export(name, as = "") {
+    this.note(`${as || name} is being made`);
     try {
-      const response = await fetch(this.link.address(`export/${name}`));
-      if (!response.ok) throw new Error(sentence(await response.json()));
+      const [blob, own] = await this.made(name);
       const anchor = document.createElement("a");
-      anchor.href = URL.createObjectURL(await response.blob());
-      anchor.download = as;
+      anchor.href = URL.createObjectURL(blob);
+      anchor.download = as || own;
       anchor.click();
       setTimeout(() => URL.revokeObjectURL(anchor.href), SHOWN);
-      this.note(`${as} is downloaded`);
+      this.note(`${as || own} is downloaded`);
     } catch (error) {
       this.note("");
       this.complain(`${name} was not made: ${error.message}`);
@@ -297,4 +382,11 @@ function keepFocus() {
   if (!element?.closest(".bar") || !element.hidden) return;
   const next = [...document.querySelectorAll(".bar button")].find((one) => !one.hidden);
   if (next) next.focus();
+}
+
+/** Mark the open pairs of a page that change the verdict. */
+function markDeciding({ open, parts: { full_names: names } }, pairs) {
+  const key = (a, b) => [a, b].sort().join("\n");
+  const deciding = new Set(pairs.filter(({ decides }) => decides).map(({ parts: [a, b] }) => key(a, b)));
+  open.decides = Array.from({ length: open.parts.length / 2 }, (_, k) => deciding.has(key(names[open.parts[2 * k]], names[open.parts[2 * k + 1]])));
 }

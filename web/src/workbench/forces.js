@@ -2,7 +2,8 @@
 
 import { id, on } from "../dom.js";
 import { direction, force, number } from "../words.js";
-import { button, entry, refill } from "./entries.js";
+import { norm, turnedAbout, unit } from "../vector.js";
+import { button, entry, numbersOf, refill } from "./entries.js";
 
 const PAUSE = 120; // least time between two messages of a dragged slider [ms]
 
@@ -28,10 +29,28 @@ export class Forces {
     });
     on("floor", "change", () => bench.act({ do: "floor", on: id("floor").checked }));
     on("up", "change", () => bench.act({ do: "gravity", ...(id("up").value ? { up: id("up").value } : { down: null }) }));
+    on("tilt-form", "submit", (event) => {
+      event.preventDefault();
+      this.tilt(id("tilt").value);
+    });
     on("use-gravity", "click", () => {
       const down = [...bench.report.down];
       bench.act({ do: "gravity", down });
     });
+  }
+
+  /** Show a typed direction of gravity: an angle [deg] and an axis, or a direction. */
+  tilt(text) {
+    const { report } = this.bench;
+    const axis = { x: "1 0 0", y: "0 1 0", z: "0 0 1" };
+    const numbers = numbersOf(text.replace(/[xyz]/i, (letter) => axis[letter.toLowerCase()]), 4) ?? numbersOf(text, 3);
+    if (!numbers || !norm(numbers.slice(-3))) {
+      this.bench.complain("Give an angle in degrees and an axis, as 10 x, or a direction of gravity of three numbers.");
+      return;
+    }
+    const [along, angle] = [unit(numbers.slice(-3)), numbers.length === 4 ? numbers[0] : null];
+    // the assembly turns by the angle, so gravity turns back in its frame
+    report.pull(angle === null ? along : turnedAbout(report.page.given.down, along, (-angle * Math.PI) / 180), "typed");
   }
 
   factor() {

@@ -27,6 +27,7 @@ export class LiveReport extends Report {
     const complete = Boolean(given.assumption);
     given.assumption ??= this.page.given.assumption; // until the complete answer
     this.page.given = given;
+    this.page.probed = null;
     this.found = null;
     this.painted = undefined;
     this.offer();
@@ -48,18 +49,91 @@ export class LiveReport extends Report {
     if (this.stage) this.stage.home();
   }
 
-  /** Show a direction of gravity that was found by an analysis. */
-  recommend(orientation) {
-    this.page.recommended = orientation;
-    this.page.coincide = false;
+  /** Colour the gravity ball by the answers for other directions; null: they are not known. */
+  showDirections(directions) {
+    const none = { recommended: null, region: null, rays: null, map: null, coincide: false };
+    Object.assign(this.page, none, directions ?? {}, { probed: null });
+    this.ball.replace(this.page);
+    this.found = null;
     this.offer();
-    if (orientation) this.turn(orientation.down, { follow: true });
+    this.turn(this.down);
+  }
+
+  /** Take the answer for a single further direction of gravity. */
+  showProbe(given) {
+    this.page.probed = given;
+    if (angleBetween(given.down, this.down) > 1e-7) return;
+    this.down = given.down;
+    this.turn(given.down);
+  }
+
+  pull(wanted, how, step) {
+    super.pull(wanted, how, step);
+    if (this.found.from === "none") this.unknown?.(this.down);
+  }
+
+  /** Set the direction of gravity; a limit case that is shown keeps its motion and its tilt. */
+  turn(u, how) {
+    super.turn(u, how);
+    const { stage, limit } = this;
+    if (!stage || !limit) return;
+    this.found = { ...this.found, motion: limit.motion, moving: limit.moving, forces: null, fall: null, words: null, farthest: undefined };
+    if (limit.down) stage.turnTo(limit.down);
+    stage.parts.moving.fill(0);
+    for (const k of limit.moving) stage.parts.moving[k] = 1;
+    stage.parts.states();
+    this.seeThrough();
+    this.tellMotion();
+    this.repose();
+  }
+
+  /** Show a limit case on the stage in place of the answer; null: the answer again. */
+  showLimit(limit) {
+    this.limit = limit;
+    this.found = null;
+    this.turn(this.down);
+    for (const name of ["motion", "play"]) id(name).hidden = !this.found.motion;
+    id("motion").disabled = !this.found.motion;
+  }
+
+  /** Show the film of a plan on the stage; null: the answer again. */
+  showFilm(film) {
+    this.film = film;
+    this.filmTime = 0;
+    if (film || !this.stage) return;
+    this.stage.parts.present.fill(1);
+    this.stage.parts.gripped.fill(0);
+    this.found = null;
+    this.turn(this.down);
+    this.stage.parts.states();
+  }
+
+  repose() {
+    const { film, stage } = this;
+    if (!film || !stage) {
+      super.repose();
+      return;
+    }
+    film.place(this.filmTime);
+    film.arrows(this.filmTime);
+    this.marks();
+    this.names.place();
+    stage.draw();
+  }
+
+  arrows() {
+    super.arrows();
+    const { stage, limit, supports } = this;
+    const arrow = ({ part, point, along }) => ({ at: point ? stage.parts.placeOf(part, point) : stage.parts.centre(part), along, size: 1.3 * this.long, wide: 1.3 * this.long });
+    stage.hands.set({ straight: [...(limit?.pushes ?? []), ...(supports?.pushes ?? [])].map(arrow) });
+    this.legend();
   }
 
   tell() {
     super.tell();
     const turned = angleBetween(this.down, this.page.given.down) > 1e-9;
     const known = this.found.from !== "none";
+    if (this.found.from === "probed") id("level").textContent = "equilibrium";
     id("use-gravity").hidden = !turned;
     if (!known) {
       id("verdict").textContent = "Not analysed";

@@ -14,8 +14,8 @@ export class PartActions {
     this.bench = bench;
     this.edited = null;
     const parts = () => this.names();
-    on("do-hold", "click", () => bench.act({ do: "hold", parts: parts(), on: !this.allHeld() }));
-    on("do-leave-out", "click", () => bench.act({ do: "leave_out", parts: parts(), on: true }));
+    on("do-hold", "click", () => this.hold());
+    on("do-leave-out", "click", () => this.leaveOut());
     on("do-material", "change", () => this.material());
     this.form("density-form", "do-density", 1, ([density]) => ({ do: "material", parts: parts(), density }));
     this.form("mass-form", "do-mass", 1, ([mass]) => ({ do: "mass", part: parts()[0], mass }));
@@ -24,7 +24,7 @@ export class PartActions {
       this.edited = null;
       return index === undefined ? { do: "load", part: parts()[0], force } : { ...load, do: "load", force, index };
     });
-    on("do-join", "click", () => bench.act({ do: "fasten", parts: parts(), on: true }));
+    on("do-join", "click", () => this.join());
     for (const [name, as] of [["do-touching", "touching"], ["do-apart", "apart"], ["do-undecided", null]]) {
       on(name, "click", () => bench.act({ do: "pair", pairs: [parts()], as }));
     }
@@ -45,6 +45,19 @@ export class PartActions {
       if (numbers) this.bench.act(action(numbers));
       else this.bench.complain(count > 1 ? `Give ${count} numbers, separated by spaces.` : "Give a number.");
     });
+  }
+
+  /** Hold the selected parts, or release them if all are held. */
+  hold() {
+    return this.bench.act({ do: "hold", parts: this.names(), on: !this.allHeld() });
+  }
+
+  leaveOut() {
+    return this.bench.act({ do: "leave_out", parts: this.names(), on: true });
+  }
+
+  join() {
+    return this.bench.act({ do: "fasten", parts: this.names(), on: true });
   }
 
   /** Names of the selected parts in the file. */

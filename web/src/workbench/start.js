@@ -44,6 +44,10 @@ export class Start {
     id("listed-title").hidden = !session.files.length;
     this.list("listed", session.files, "file");
     this.list("examples", session.examples, "example");
+    const recent = session.recent.filter(({ name }) => !session.files.includes(name));
+    id("recent-title").hidden = !recent.length;
+    this.list("recent", recent.map(({ path }) => path), "recent");
+    this.feature(session.featured);
     id("missing").replaceChildren(
       ...session.missing.map((sentence) => {
         const item = document.createElement("li");
@@ -60,10 +64,37 @@ export class Start {
     id(name).replaceChildren(
       ...words.map((word) => {
         const item = document.createElement("li");
-        item.append(button(word, () => this.open({ [kind]: word })));
+        item.append(button(word.split("/").pop(), () => this.open({ [kind]: word }), kind === "recent" ? word : ""));
         return item;
       }),
     );
+  }
+
+  /** Show some examples with a picture and a sentence. */
+  feature(featured) {
+    if (id("featured").childElementCount) return;
+    id("featured").append(
+      ...Object.entries(featured).map(([name, words]) => {
+        const item = document.createElement("li");
+        const card = button("", () => this.open({ example: name }));
+        const [picture, title] = [document.createElement("span"), document.createElement("span")];
+        picture.className = "thumbnail";
+        title.textContent = words;
+        card.append(picture, title);
+        item.append(card);
+        this.draw(picture, name);
+        return item;
+      }),
+    );
+  }
+
+  /** Fill a box with the picture of an example. */
+  async draw(box, name) {
+    const response = await fetch(this.bench.link.address(`picture/${name}`));
+    if (!response.ok) return;
+    const svg = new DOMParser().parseFromString(await response.text(), "image/svg+xml").documentElement;
+    svg.setAttribute("aria-hidden", "true");
+    box.replaceChildren(document.importNode(svg, true));
   }
 
   async open(what) {

@@ -4,7 +4,9 @@ import { copyText } from "../clipboard.js";
 import { unpacked } from "../data.js";
 import { id, on } from "../dom.js";
 import { readTables } from "../tables.js";
+import { OnStage } from "./on_stage.js";
 import { button, entry, numbersOf, refill } from "./entries.js";
+import { roveTabs } from "./layout.js";
 import { Places } from "./places.js";
 import { sentence } from "./start.js";
 
@@ -16,10 +18,11 @@ const TABS = {
   hold: "What to hold",
   transport: "Transport",
   place: "Place",
+  forces: "Forces",
   contacts: "Contacts",
   compare: "Compare",
 };
-const AT_ONCE = ["orient", "margin", "plan", "hold", "contacts"]; // computed when they are opened
+const AT_ONCE = ["orient", "margin", "plan", "hold", "contacts", "forces"]; // computed when they are opened
 
 export class Tabs {
   constructor(bench) {
@@ -28,6 +31,7 @@ export class Tabs {
     this.asked = new Set();
     this.now = null;
     this.places = new Places(bench);
+    this.onStage = new OnStage(bench);
     this.buttons = Object.entries(TABS).map(([name, label], k) => {
       const element = button(label, () => this.show(this.now === name ? null : name));
       element.id = `tab-${name}`;
@@ -38,19 +42,9 @@ export class Tabs {
       return element;
     });
     id("tablist").replaceChildren(...this.buttons);
-    on("tablist", "keydown", (e) => this.key(e));
+    on("tablist", "keydown", (e) => roveTabs(this.buttons, e));
     on("copy-tab-command", "click", () => copyText(id("tab-command").textContent, id("copy-tab-command")));
     this.mark();
-  }
-
-  key(event) {
-    const k = this.buttons.indexOf(event.target);
-    const last = this.buttons.length - 1;
-    const next = { ArrowRight: k === last ? 0 : k + 1, ArrowLeft: k ? k - 1 : last, Home: 0, End: last }[event.key];
-    if (k < 0 || next === undefined) return;
-    event.preventDefault();
-    this.buttons.forEach((element, j) => (element.tabIndex = j === next ? 0 : -1));
-    this.buttons[next].focus();
   }
 
   /** Open a tab, or close the open one; some are computed at once. */
@@ -68,17 +62,19 @@ export class Tabs {
     if (this.now) id("sheet").setAttribute("aria-labelledby", `tab-${this.now}`);
   }
 
-  ask(options) {
-    this.asked.add(this.now);
-    this.results.delete(this.now);
-    this.bench.act({ do: "ask", tab: this.now, options });
+  ask(options, name = this.now) {
+    this.asked.add(name);
+    this.results.delete(name);
+    this.bench.act({ do: "ask", tab: name, options });
     this.draw();
   }
 
   /** Take the result of an analysis. */
   take(message) {
     this.asked.delete(message.name);
+    if (message.film) message.film = unpacked(message.film);
     this.results.set(message.name, message);
+    if (message.ball) this.bench.report?.showDirections(unpacked(message.ball));
     if (message.name === this.now) this.draw();
   }
 
@@ -86,6 +82,7 @@ export class Tabs {
   renew() {
     this.results.clear();
     this.asked.clear();
+    if (this.bench.report?.page.region) this.bench.report.showDirections(null);
     this.draw();
   }
 
@@ -104,6 +101,7 @@ export class Tabs {
     this.mark();
     const map = this.now === "place" && this.results.get("place");
     this.places.tell(map && map.place ? map : null);
+    this.onStage.tell(this.now, this.results.get(this.now) ?? null);
     const { session } = this.bench;
     const count = session?.changes.length ?? 0;
     id("tab-changes").textContent = count ? `Changes (${count})` : "Changes";
@@ -123,6 +121,7 @@ export class Tabs {
     if (result) {
       // the server escapes all words of this text, and the policy of the page allows no program
       body.innerHTML = result.html;
+      body.prepend(...this.onStage.content);
       if (this.bench.report) readTables(this.bench.report.page, id("sheet"));
     } else if (this.asked.has(this.now)) this.tellProgress();
   }
@@ -136,22 +135,35 @@ export class Tabs {
     if (busy) return [button("Stop", () => bench.act({ do: "stop" }))];
     if (this.now === "changes") return [];
     if (this.now === "compare") return this.comparison();
-    if (this.now === "margin") return [again("With the capacity of each part", () => ({ loads: true }))];
-    if (this.now === "transport") return this.transport();
+    const drawn = this.onStage.controls();
+    if (this.now === "margin") return [again("With the capacity of each part", () => ({ loads: true })), ...drawn];
+    if (this.now === "transport") return [...this.transport(), ...drawn];
     if (this.now === "place") return this.places.controls((options) => this.ask(options));
     const list = AT_ONCE.includes(this.now) && !result ? [again("Compute", () => ({}))] : [];
-    if (this.now === "orient" && result && result.orientation) {
+    if (this.now === "forces") list.push(...this.between());
+    if (this.now === "orient" && result?.data?.found) {
       list.push(
-        button("Show this direction", () => report.recommend(unpacked(result.orientation))),
+        button("Show this direction", () => report.turn(result.data.down, { follow: true })),
         button("Use this direction", () => bench.act({ do: "gravity", down: result.data.down })),
       );
     }
     const grips = this.now === "hold" ? gripped(result) : [];
     if (grips.length) list.push(button(`Hold ${grips.map((name) => bench.shortName(name)).join(", ")}`, () => bench.act({ do: "hold", parts: grips, on: true })));
     if (this.now === "plan" && result && result.data && result.data.found) {
-      list.push(button("Save the page of the plan", () => bench.export("plan.html")));
+      list.push(...drawn, button("Save the page of the plan", () => bench.export("plan.html")));
     }
     return list;
+  }
+
+  /** The range of the force between the two selected parts. */
+  between() {
+    const { parts } = this.bench;
+    return [
+      button("All pairs", () => this.ask({})),
+      button("Between the two selected parts", () =>
+        parts.names().length === 2 ? this.ask({ between: parts.names() }) : this.bench.complain("Select two parts that touch."),
+      ),
+    ];
   }
 
   transport() {

@@ -1,0 +1,235 @@
+"""The workbench shows on the stage what has a place: orders, limits, supports, directions, cuts."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+from workbench_page import WorkbenchPage, loaded
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.analysis.check import check_equilibrium
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.scenes import scene
+from kilter.scenes.walls import wall_of
+
+pytestmark = pytest.mark.browser
+
+PRESENT = "[...window.kilter.stage.parts.present]"
+MOVING = "[...window.kilter.stage.parts.moving]"
+HANDS = "window.kilter.stage.hands.group.children.length > 0"
+
+
+def opened_tab(page: WorkbenchPage, name: str) -> dict:
+    """Open a tab, wait for its result, and return the data of its answer."""
+    page.page.click(f"#tab-{name}")
+    page.until(f"window.bench.tabs.results.has('{name}')", 60)
+    return page.js("name => window.bench.tabs.results.get(name).data", name)
+
+
+def test_the_film_of_an_order_is_on_the_stage(user):
+    page = user("tower")
+    steps = opened_tab(page, "plan")["steps"]
+    strip = page.page.locator("#film-strip button")
+    assert strip.count() == len(steps) == 5
+    strip.nth(2).click()
+    here = page.js(PRESENT)
+    names = page.js("window.kilter.page.parts.full_names")
+    expected = {"base", *(part for step in steps[:3] for part in step["parts"])}
+    assert {name for name, shown in zip(names, here, strict=True) if shown} == expected
+    assert strip.nth(2).get_attribute("aria-current") == "step"
+    # the small pictures are painted
+    page.until(
+        "(() => { const c = document.querySelector('#film-strip canvas');"
+        " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(Boolean); })()"
+    )
+    page.page.click("#sheet-controls button:has-text('Play')")
+    page.until(f"{PRESENT}.every(Boolean) && !window.bench.tabs.onStage.playing", 20)
+    page.page.click("#tab-plan")  # closed: the answer again
+    assert page.js("window.kilter.film") is None
+    assert page.js(PRESENT) == [1] * len(names)
+
+
+def test_the_motion_at_a_limit_is_on_the_stage(user):
+    page = user("arch")
+    assert sum(page.js(MOVING)) == 0
+    margin = opened_tab(page, "margin")
+    page.page.select_option("#limit-case", "0")
+    names = page.js("window.kilter.page.parts.full_names")
+    moves = [name for name, on in zip(names, page.js(MOVING), strict=True) if on]
+    assert set(margin["tilt_limit"]["moves"]) <= set(moves)
+    down = page.js("window.kilter.limit.down")
+    assert down == pytest.approx(margin["tilt_down"])
+    up = page.js(
+        "(() => { const s = window.kilter.stage; s.render();"
+        " const [a, b] = [[0, 0, 0], window.kilter.limit.down].map((p) => s.onScreen(p));"
+        " return [b[0] - a[0], b[1] - a[1]]; })()"
+    )
+    assert abs(up[0]) < 0.02 * up[1]  # the assembly is turned: its gravity points down
+    assert not page.js(HANDS)
+    page.page.select_option("#limit-case", "1")
+    assert page.js(HANDS)  # the push
+    page.page.select_option("#limit-case", "")
+    assert sum(page.js(MOVING)) == 0
+    page.page.click("#tab-transport")
+    page.page.click("#sheet-controls button:has-text('Limits of all axes')")
+    page.until("window.bench.tabs.results.has('transport')", 60)
+    page.page.select_option("#limit-case", "0")
+    assert sum(page.js(MOVING)) > 5
+    page.page.click("#tab-transport")
+    assert sum(page.js(MOVING)) == 0
+
+
+def test_supports_are_drawn_on_their_parts(user):
+    page = user("paper-figure-8")
+    found = opened_tab(page, "hold")["supports"]
+    names = page.js("window.kilter.page.parts.full_names")
+    gripped = page.js("[...window.kilter.stage.parts.gripped]")
+    held = {name for name, on in zip(names, gripped, strict=True) if on}
+    assert held == {one["part"] for one in found if one["kind"] == "grip"}
+    page.page.click("#tab-hold")
+    assert sum(page.js("[...window.kilter.stage.parts.gripped]")) == 0
+
+
+def test_ranges_of_forces_are_those_of_python(user):
+    page = user("arch")
+    data = opened_tab(page, "forces")
+    expected = kilter.check(scene("arch")).force_ranges()
+    assert len(data["ranges"]) == len(expected) == 21
+    for shown, one in zip(data["ranges"], expected, strict=True):
+        assert shown["least"]["value"] == pytest.approx(one.least.value, rel=1e-9)
+    page.page.click("#sheet-controls button:has-text('Between the two selected parts')")
+    assert page.text("trouble-words").startswith("Select two parts")
+    page.page.click("#end-trouble")
+    page.choose("voussoir-3", "voussoir-4")
+    page.page.click("#sheet-controls button:has-text('Between the two selected parts')")
+    page.until("window.bench.tabs.results.get('forces')?.data.ranges.length === 1", 60)
+    assert page.text("tab-command").endswith("--between voussoir-3 voussoir-4")
+    page.page.click("#sheet-controls button:has-text('All pairs')")
+    page.until("window.bench.tabs.results.get('forces')?.data.ranges.length === 21", 60)
+
+
+def equilibrium(assembly: Assembly) -> Verdict:
+    """The verdict of level equilibrium, apart from the page."""
+    return check_equilibrium(assembly, kilter.contacts(assembly))
+
+
+def test_the_gravity_ball_is_coloured_and_judges_as_python_does(user):
+    page = user("arch")
+    page.page.click("#open-gravity")
+    page.until("window.bench.tabs.results.has('orient')", 60)
+    assert page.js("window.kilter.page.region !== null")
+    rng = np.random.default_rng(7)
+    held = {"Stable", "Settles", "Potentially stable"}
+    for angle in rng.uniform(-20, 20, 20):
+        if abs(abs(angle) - 8.494) < 0.5:
+            continue  # at the limit of 8.494 deg
+        down = [float(np.sin(np.radians(angle))), 0.0, -float(np.cos(np.radians(angle)))]
+        shown = page.js("d => window.kilter.ask(d).verdict", down)
+        expected = equilibrium(scene("arch").with_down(down)).level is not None
+        assert (shown in held) == expected, angle
+
+
+def test_a_typed_tilt_is_judged_as_python_judges_it(user):
+    page = user(wall_of(80))  # too large for the map of all directions
+    page.page.click("#open-gravity")
+    page.page.fill("#tilt", "many")
+    page.page.press("#tilt", "Enter")
+    assert "angle in degrees" in page.text("trouble-words")
+    page.page.click("#end-trouble")
+    for angle, axis in ((3, "y"), (50, "y"), (2, "1 1 0")):
+        page.page.fill("#tilt", f"{angle} {axis}")
+        page.page.press("#tilt", "Enter")
+        page.until("window.kilter.found.from === 'probed'", 60)
+        verdict = equilibrium(wall_of(80).with_down(page.down()))
+        assert (page.text("verdict") == "Unstable") == (verdict.level is None)
+        away = np.degrees(np.arccos(-page.down()[2]))
+        assert away == pytest.approx(angle, abs=1e-6)
+
+
+def test_three_planes_cut_and_show_the_inside(user):
+    shell = [
+        Part(f"wall-{k}", Box(size), Pose(at), grounded=True)
+        for k, (size, at) in enumerate((([4, 0.2, 4], [0, -2, 0]), ([0.2, 4, 4], [2, 0, 0])))
+    ]
+    inside = Part("block", Box([1, 1, 1]))
+    page = user(Assembly([*shell, inside]))
+    seen = lambda point: page.js("p => window.kilter.stage.parts.seen(2, p)", point)  # noqa: E731
+    center = page.js("window.kilter.page.center")
+    corner = [[s * 0.4 - c for s, c in zip(signs, center, strict=True)] for signs in CORNERS]
+    assert all(map(seen, corner))
+    for count, axis in enumerate("xyz", start=1):
+        page.page.select_option(f"#section-{axis}-side", "+")
+        page.slide(f"section-{axis}", -center["xyz".index(axis)] / page.js(RADIUS))
+        kept = [signs for signs, at in zip(CORNERS, corner, strict=True) if seen(at)]
+        assert kept == [s for s in CORNERS if all(s[i] < 0 for i in range(count))]
+    # the face of the cut is filled: the middle of the block is its inside, striped
+    page.page.select_option("#section-y-side", "-")
+    page.js("window.kilter.stage.view([0, -1, 0])")
+    page.js("window.kilter.stage.render()")
+    assert page.js("window.kilter.stage.parts.cut.visible")
+
+
+CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+RADIUS = "window.kilter.page.radius"
+
+
+def test_the_view_without_perspective_keeps_sizes_and_parallels(user):
+    page = user("tower")
+    spread = (
+        "(() => { const s = window.kilter.stage; s.render(); const r = window.kilter.page.radius;"
+        " const at = (p) => s.onScreen(p); const [near, far] = [-r, r].map((y) =>"
+        " Math.hypot(...at([r, y, 0]).map((c, i) => c - at([-r, y, 0])[i])));"
+        " return near / far; })()"
+    )
+    page.js("window.kilter.stage.view([0, -1, 0])")
+    assert page.js(spread) > 1.2  # the near edge is longer
+    page.page.click("#flat")
+    assert page.js(spread) == pytest.approx(1, abs=0.02)
+    page.page.click("#flat")
+    assert page.js(spread) > 1.2
+
+
+def test_pictures_and_films_are_downloaded(user):
+    page = user("paper-figure-8")
+    with page.page.expect_download() as download:
+        page.page.select_option("#export", "picture.png")
+    picture = Image.open(io.BytesIO(download.value.path().read_bytes()))
+    assert picture.size[0] == 2 * page.js("window.kilter.stage.size[0]")
+    assert len(picture.convert("RGB").resize((60, 40)).getcolors(2400)) > 20
+    with page.page.expect_download(timeout=30_000) as download:
+        page.page.select_option("#export", "film.webm")
+    assert download.value.suggested_filename in ("film.webm", "film.mp4")
+    assert download.value.path().stat().st_size > 5_000
+
+
+def test_no_part_stays_transparent_after_the_verdict_has_changed(user):
+    page = user(boxed())
+    assert float(page.page.input_value("#see-through")) > 0
+    page.choose("block").click("#do-hold")
+    assert page.text("verdict") == "Stable"
+    assert float(page.page.input_value("#see-through")) == 0
+
+
+def boxed() -> Assembly:
+    """A block that falls inside a box of six walls."""
+    walls = []
+    for axis in range(3):
+        for sign in (-1, 1):
+            size, at = [4.0] * 3, [0.0] * 3
+            size[axis], at[axis] = 0.2, 2.0 * sign
+            walls.append(Part(f"wall-{axis}{sign:+}", Box(size), Pose(at), grounded=True))
+    return Assembly([*walls, Part("block", Box([1, 1, 1]))])
+
+
+def test_a_change_of_the_file_states_both_verdicts_and_keeps_choices(user, folder):
+    page = user(loaded())
+    page.choose("side").click("#do-hold")
+    base, low, high, side = loaded().parts
+    far = Part("high", high.shape, Pose([0.9, 0, 1.5]))
+    changed = Assembly([base, low, far, side], friction=0.5)
+    page.after(lambda: kilter.dump(changed, folder / "file.kilter.json"))
+    page.until("/was: .*Now: /.test(document.getElementById('message-words').textContent)")
+    assert page.choices()["held"] == ["side"]
+    assert page.text("verdict") == "Unstable"
