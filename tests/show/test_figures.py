@@ -14,7 +14,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
@@ -29,6 +29,7 @@ from kilter.show.canvas import encode_figure, label
 from kilter.show.figures import draw_assembly, draw_region
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
 from kilter.show.scene import build_things
+from sampled import sampled
 
 HOSTILE = [
     "<script>alert(1)</script>",
@@ -149,6 +150,59 @@ def test_arrows_and_displaced_parts_are_whole():
     for box in boxes:
         assert (box.min >= frame.min).all()
         assert (box.max <= frame.max).all()
+
+
+def random_pile(seed: int) -> Assembly:
+    """Blocks of random sizes on each other on a table, centred or over its edge."""
+    rng = np.random.default_rng(seed)
+    table = Box([*rng.uniform(2, 12, 2), 0.3])
+    parts = [Part("table", table, Pose([0, 0, -0.15]), grounded=True)]
+    top = 0.0
+    for k in range(rng.integers(2, 9)):
+        size = rng.uniform(0.2, 2.5, 3)
+        at = [*rng.normal(scale=0.4 * (1 + seed % 4), size=2), top + size[2] / 2]
+        parts.append(Part(f"block number {k} of a pile, with a long name", Box(size), Pose(at)))
+        top += float(size[2])
+    return Assembly(parts, friction=float(rng.uniform(0, 0.8)))
+
+
+@pytest.mark.parametrize("seed", sampled(2, 40))
+def test_no_mark_or_word_is_cut_at_the_frame(seed):
+    figure = draw_assembly(kilter.check(random_pile(seed)))
+    figure.canvas.draw()
+    frame = figure.bbox
+    words_ = [*figure.texts, *(text for each in figure.legends for text in each.get_texts())]
+    # held parts may go on beyond the picture, all other marks are whole
+    marks = [
+        each
+        for axes in figure.axes
+        for each in axes.get_children()
+        if each is not axes.patch and not isinstance(each, PolyCollection)
+    ]
+    boxes = [each.get_window_extent().get_points() for each in [*words_, *marks]]
+    boxes = [box for box in boxes if np.isfinite(box).all()]
+    assert len(boxes) > 5
+    for low, high in boxes:
+        assert (low >= -1).all()
+        assert (high <= [frame.width + 1, frame.height + 1]).all()
+
+
+@pytest.mark.slow
+def test_drawing_ends_without_words_of_native_libraries(tmp_path):
+    (tmp_path / "pile.kilter.json").write_text(to_text(random_pile(3)))
+    command = [
+        sys.executable,
+        "-m",
+        "kilter",
+        "draw",
+        "pile.kilter.json",
+        "-o",
+        "pile.png",
+        "--quiet",
+    ]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert (ended.stdout, ended.stderr) == ("", "")
+    assert (tmp_path / "pile.png").stat().st_size > 1000
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from kilter.cli.exit_codes import INVALID
+from kilter.cli.exit_codes import USAGE
 from kilter.errors import InputError, visible
 from kilter.files.limits import fingerprint
 
@@ -26,26 +26,40 @@ def watch_file(file: str, answer: Callable[[str], tuple[int, Answer]]) -> int:
     """
     if file == "-" or file.startswith("scene:") or not os.path.exists(file):
         raise InputError(f"--watch needs a file that exists, not {file!r:.80}")
-    code, before, stamp = INVALID, None, None
+    code, before, stamp = USAGE, None, None
     while True:
-        now = fingerprint(file)
-        if now == stamp:
-            try:
-                time.sleep(INTERVAL)
-            except KeyboardInterrupt:
-                return code
-            continue
-        stamp = now
+        try:
+            stamp = _next_stamp(file, stamp)
+        except KeyboardInterrupt:
+            return code
         try:
             code, present = answer(file)
         except InputError as error:  # a program may be in the middle of writing
-            code = INVALID
+            code = USAGE
             print(f"kilter: {visible(str(error))}; waiting for the next change", file=sys.stderr)
             continue
         if before is not None:
             print(change_words(before, present), flush=True)
         before = present
         print(f"kilter: watching {visible(file)}; Ctrl-C ends it", file=sys.stderr, flush=True)
+
+
+def _next_stamp(file: str, stamp: Any) -> Any:
+    """Wait until a file has changed and its writer has finished; return its fingerprint."""
+    now = fingerprint(file)
+    if stamp is None:
+        return now
+    while now == stamp:
+        now = _after(file)
+    while (later := _after(file)) != now:
+        now = later
+    return now
+
+
+def _after(file: str) -> Any:
+    """The fingerprint of a file after an interval."""
+    time.sleep(INTERVAL)
+    return fingerprint(file)
 
 
 def change_words(before: Answer, now: Answer) -> str:
