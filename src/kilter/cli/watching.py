@@ -6,6 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from kilter.cli.exit_codes import USAGE
@@ -27,21 +28,21 @@ def watch_file(file: str, answer: Callable[[str], tuple[int, Answer]]) -> int:
     if file == "-" or file.startswith("scene:") or not os.path.exists(file):
         raise InputError(f"--watch needs a file that exists, not {file!r:.80}")
     code, before, stamp = USAGE, None, None
-    while True:
-        try:
+    with suppress(KeyboardInterrupt):
+        while True:
             stamp = _next_stamp(file, stamp)
-        except KeyboardInterrupt:
-            return code
-        try:
-            code, present = answer(file)
-        except InputError as error:  # a program may be in the middle of writing
-            code = USAGE
-            print(f"kilter: {visible(str(error))}; waiting for the next change", file=sys.stderr)
-            continue
-        if before is not None:
-            print(change_words(before, present), flush=True)
-        before = present
-        print(f"kilter: watching {visible(file)}; Ctrl-C ends it", file=sys.stderr, flush=True)
+            try:
+                code, present = answer(file)
+            except InputError as error:
+                code = USAGE
+                words = f"kilter: {visible(str(error))}; waiting for the next change"
+                print(words, file=sys.stderr, flush=True)
+                continue
+            if before is not None:
+                print(change_words(before, present), flush=True)
+            before = present
+            print(f"kilter: watching {visible(file)}; Ctrl-C ends it", file=sys.stderr, flush=True)
+    return code
 
 
 def _next_stamp(file: str, stamp: Any) -> Any:
