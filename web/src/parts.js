@@ -107,7 +107,7 @@ export class Parts {
       });
     const colour = () => ({ value: new Color() });
     const over = { transparent: true, depthWrite: false, depthTest: false };
-    const painted = { hatch: colour(), picked: colour(), opacity: { value: 1 } };
+    const painted = { hatch: colour(), table: colour(), picked: colour(), opacity: { value: 1 } };
     const eye = { eye: { value: new Vector3() } };
     const behind = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.material = {
@@ -283,6 +283,7 @@ export class Parts {
     set(this.shared.accent, "unstable");
     set(this.shared.grip, "grip");
     for (const name of ["hatch", "picked"]) set(this.material.face.uniforms[name], name);
+    set(this.material.face.uniforms.table, "stage-floor");
     set(this.material.edge.uniforms.ink, "edge");
     for (const name of ["patch", "through", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");
   }

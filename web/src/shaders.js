@@ -64,6 +64,7 @@ void main() { place(); }
 export const face = `precision highp float;
 ${CUT}
 uniform vec3 hatch;
+uniform vec3 table;
 uniform vec3 grip;
 uniform vec3 picked;
 uniform float opacity;
@@ -83,6 +84,7 @@ void main() {
   if (cutAway() || (state.w > 0.5) != veil) discard; // transparent parts have a pass of their own
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   vec3 base = colour.rgb;
+  if (state.y > 1.5) base = table;
   if (state.y > 0.5 && state.y < 1.5) base = mix(base, hatch, 0.6 * stripes(9.0)); // a table has a grid
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);

@@ -58,6 +58,7 @@ ROLES = {
     "page": Role("#f3f4f6", "#12171d", "ground", "the page"),
     "stage-top": Role("#fbfcfd", "#2a333d", "ground", "behind the picture, above"),
     "stage-bottom": Role("#dfe5ec", "#171d24", "ground", "behind the picture, below"),
+    "stage-floor": Role("#cfd5dc", "#39424c", "ground", "floor under an assembly"),
 }
 """Colours by name; each is a CSS property of this name."""
 GROUND = "#c3c8ce"

@@ -123,9 +123,9 @@ export class LiveReport extends Report {
 
   arrows() {
     super.arrows();
-    const { stage, limit, supports } = this;
+    const { stage, limit } = this;
     const arrow = ({ part, point, along }) => ({ at: point ? stage.parts.placeOf(part, point) : stage.parts.centre(part), along, size: 1.3 * this.long, wide: 1.3 * this.long });
-    stage.hands.set({ straight: [...(limit?.pushes ?? []), ...(supports?.pushes ?? [])].map(arrow) });
+    stage.hands.set({ straight: (limit?.pushes ?? []).map(arrow) });
     this.legend();
   }
 

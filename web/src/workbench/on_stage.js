@@ -33,11 +33,7 @@ export class OnStage {
     this.pause();
     this.strip = null;
     this.cases = [];
-    if (report.supports) {
-      report.supports = null;
-      report.stage.parts.gripped.fill(0);
-      report.stage.parts.states();
-    }
+    report.stage.parts.gripped.fill(0);
     if (report.film) {
       report.showFilm(null);
       report.stage.home();
@@ -94,16 +90,13 @@ export class OnStage {
     const { report } = this.bench;
     const { full_names: names } = report.page.parts;
     const { center } = report.page;
-    const { parts } = report.stage;
-    parts.gripped.fill(0);
-    for (const { kind, part } of supports) if (kind === "grip") parts.gripped[names.indexOf(part)] = 1;
-    report.supports = {
-      pushes: supports
-        .filter(({ direction, part }) => direction && names.includes(part))
-        .map(({ part, point, direction }) => ({ part: names.indexOf(part), point: point && point.map((c, i) => c - center[i]), along: direction })),
-    };
-    parts.states();
-    report.repose();
+    const { gripped } = report.stage.parts;
+    gripped.fill(0);
+    for (const { kind, part } of supports) if (kind === "grip") gripped[names.indexOf(part)] = 1;
+    const pushes = supports
+      .filter(({ direction, part }) => direction && names.includes(part))
+      .map(({ part, point, direction }) => ({ part: names.indexOf(part), point: point && point.map((c, i) => c - center[i]), along: direction }));
+    report.showLimit({ motion: null, moving: [], pushes });
   }
 
   // film ------------------------------------------------------------------------------
