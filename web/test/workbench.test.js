@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { numbersOf } from "../src/workbench/entries.js";
+import { entered, frictionOf, numbersOf } from "../src/workbench/entries.js";
 import { roundAxis } from "../src/workbench/round_axis.js";
 
 const near = (a, b, within = 1e-6) => a.forEach((c, k) => assert.ok(Math.abs(c - b[k]) < within, `${a} is not ${b}`));
@@ -41,4 +41,16 @@ test("numbers are separated by spaces or commas, and there are as many as wanted
   assert.equal(numbersOf("1 2", 3), null);
   assert.equal(numbersOf("1 2 x", 3), null);
   assert.equal(numbersOf("", 1), null);
+});
+
+test("fields take what the command line takes, and their grey default if they are left alone", () => {
+  assert.deepEqual(numbersOf(".5g 0 -1", 3, 10), [5, 0, -1]);
+  assert.equal(numbersOf(".5g 0 0", 3), null);
+  assert.equal(numbersOf("g 0 0", 3, 10), null);
+  assert.equal(frictionOf(" 0.3 "), 0.3);
+  assert.equal(frictionOf("30%"), 0.3);
+  assert.ok(Math.abs(frictionOf("45deg") - 1) < 1e-12);
+  for (const text of ["", "%", "much", "deg"]) assert.ok(Number.isNaN(frictionOf(text)), text);
+  assert.equal(entered({ value: " ", placeholder: "6" }), "6");
+  assert.equal(entered({ value: "7", placeholder: "6" }), "7");
 });

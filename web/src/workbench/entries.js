@@ -41,8 +41,24 @@ export function fill(box, title, entries, ...more) {
   refill(box, heading, ...more, list);
 }
 
-/** Numbers of a text, separated by spaces or commas; null unless there are `count` numbers. */
-export function numbersOf(text, count) {
-  const numbers = text.trim().split(/[\s,;]+/).filter(Boolean).map(Number);
+/**
+ * Numbers of a text, separated by spaces or commas; null unless there are `count` numbers. `g`: the
+ * factor of numbers that end with g, as .5g on the command line.
+ */
+export function numbersOf(text, count, g = null) {
+  const words = text.trim().split(/[\s,;]+/).filter(Boolean);
+  const value = (word) => (g !== null && /g$/i.test(word) ? g * Number(word.slice(0, -1) || NaN) : Number(word));
+  const numbers = words.map(value);
   return numbers.length === count && numbers.every(Number.isFinite) ? numbers : null;
 }
+
+/** A coefficient of friction: a number, a share as 30%, or an angle as 17deg; NaN for other text. */
+export function frictionOf(text) {
+  const word = text.trim();
+  if (word.endsWith("%")) return Number(word.slice(0, -1) || NaN) / 100;
+  if (word.endsWith("deg")) return Math.tan((Number(word.slice(0, -3) || NaN) * Math.PI) / 180);
+  return Number(word || NaN);
+}
+
+/** The text of a field; a field that is left alone has the default that it shows in grey. */
+export const entered = (field) => field.value.trim() || field.placeholder;

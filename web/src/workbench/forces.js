@@ -3,7 +3,7 @@
 import { id, on } from "../dom.js";
 import { direction, force, number } from "../words.js";
 import { norm, turnedAbout, unit } from "../vector.js";
-import { button, entry, numbersOf, refill } from "./entries.js";
+import { button, entered, entry, frictionOf, numbersOf, refill } from "./entries.js";
 
 const PAUSE = 120; // least time between two messages of a dragged slider [ms]
 
@@ -17,7 +17,10 @@ export class Forces {
     on("friction", "change", () => (this.drags += 1));
     on("friction-number", "change", () => {
       const text = id("friction-number").value.trim();
-      bench.act({ do: "friction", mu: text === "" ? null : Number(text) });
+      this.entered = id("friction-number").value; // no longer being typed
+      const mu = text === "" ? null : frictionOf(text);
+      if (Number.isNaN(mu)) bench.complain("Give a coefficient, a share or an angle: 0.3, 30% or 17deg.");
+      else bench.act({ do: "friction", mu });
     });
     on("friction-file", "click", () => bench.act({ do: "friction", mu: null }));
     on("scale-loads", "input", () => (id("scale-words").textContent = number(this.factor(), 3)));
@@ -31,7 +34,7 @@ export class Forces {
     on("up", "change", () => bench.act({ do: "gravity", ...(id("up").value ? { up: id("up").value } : { down: null }) }));
     on("tilt-form", "submit", (event) => {
       event.preventDefault();
-      this.tilt(id("tilt").value);
+      this.tilt(entered(id("tilt")));
     });
     on("use-gravity", "click", () => {
       const down = [...bench.report.down];
@@ -79,10 +82,11 @@ export class Forces {
     const { bench } = this;
     const { friction, floor, up } = choices;
     const given = friction !== undefined;
-    if (!this.sending && document.activeElement !== id("friction-number")) {
+    if (!this.sending) {
       const own = bench.report?.page.friction; // of the file, as long as no choice replaces it
       id("friction").value = String(friction ?? own ?? 0);
-      id("friction-number").value = given ? String(friction) : "";
+      const typed = document.activeElement === id("friction-number") && id("friction-number").value !== this.entered;
+      if (!typed) id("friction-number").value = given ? String(friction) : "";
       id("friction-number").placeholder = own === undefined ? "file" : String(own);
     }
     id("friction-file").hidden = !given;

@@ -1,7 +1,7 @@
 // The tab "Place": the map of places of the next box on the stage, and the box under the pointer.
 
 import { stateAt } from "../place_state.js";
-import { button, numbersOf } from "./entries.js";
+import { button, entered, numbersOf } from "./entries.js";
 
 const WORDS = { stands: "the box stands", falls: "something falls", open: "open" };
 
@@ -32,7 +32,7 @@ export class Places {
     const size = field("size", "0.4 0.3 0.25", `length, width and height of the box${units ? ` [${units}]` : ""}`);
     const mass = field("mass", "6", "mass of the box [kg]");
     const compute = () => {
-      const [lengths, kg] = [numbersOf(size.value, 3), numbersOf(mass.value, 1)];
+      const [lengths, kg] = [numbersOf(entered(size), 3), numbersOf(entered(mass), 1)];
       if (lengths && kg) ask({ size: lengths, mass: kg[0] });
       else this.bench.complain("Give the size of the box, 3 numbers separated by spaces, and its mass in kg.");
     };

@@ -5,7 +5,7 @@ import { unpacked } from "../data.js";
 import { id, on } from "../dom.js";
 import { readTables } from "../tables.js";
 import { OnStage } from "./on_stage.js";
-import { button, entry, numbersOf, refill } from "./entries.js";
+import { button, entered, entry, numbersOf, refill } from "./entries.js";
 import { roveTabs } from "./layout.js";
 import { Places } from "./places.js";
 import { sentence } from "./start.js";
@@ -168,16 +168,16 @@ export class Tabs {
 
   transport() {
     const field = document.createElement("input");
-    field.placeholder = "5 0 0";
+    field.placeholder = "0.5g 0 0";
     field.setAttribute("aria-label", "acceleration of the carrier x y z [m/s²]");
     const code = document.createElement("select");
     code.setAttribute("aria-label", "rule of load securing");
     for (const name of ["", "en12195", "en12195:tipping", "gdv", "vdi2700:3.5t"]) code.add(new Option(name || "no rule", name));
     const limits = button("Limits of all axes", () => this.ask({}));
     const at = button("At this acceleration [m/s²]", () => {
-      const accelerate = numbersOf(field.value, 3);
+      const accelerate = numbersOf(entered(field), 3, this.bench.report?.page.gravity);
       if (accelerate) this.ask({ accelerate });
-      else this.bench.complain("Give the acceleration: 3 numbers, separated by spaces.");
+      else this.bench.complain("Give the acceleration: 3 numbers, separated by spaces, in m/s² or with g as 0.5g.");
     });
     const rule = button("By this rule", () => (code.value ? this.ask({ code: code.value }) : this.bench.complain("Choose a rule.")));
     return [limits, field, at, code, rule];
