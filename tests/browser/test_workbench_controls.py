@@ -426,7 +426,19 @@ CONTROLS = {
     "tilt": "test_a_typed_tilt_is_judged_as_python_judges_it",
     "tilt-form Show": "enter",
     "limit-case": STAGE,
-    "film-strip *": "test_the_film_of_an_order_is_on_the_stage",
+    **dict.fromkeys(
+        (
+            "strap-tension",
+            "sheet-controls Place a strap",
+            "sheet-controls Add the strap",
+            "sheet-controls Cancel",
+        ),
+        "test_a_strap_is_placed_by_clicks",
+    ),
+    **dict.fromkeys(
+        ("film-strip *", "sheet-controls Play", "sheet-controls ‹", "sheet-controls ›"),
+        "test_the_film_of_an_order_is_on_the_stage",
+    ),
     "tab-forces": "test_ranges_of_forces_are_those_of_python",
     "sheet-controls All pairs": "test_ranges_of_forces_are_those_of_python",
     "sheet-controls Between the two selected parts": "test_ranges_of_forces_are_those_of_python",
@@ -508,7 +520,8 @@ LIST_CONTROLS = """(lists) => {
     return ["suggestions", "open-pairs"].includes(box.id) ? `${box.id} *` : "links *";
   };
   const found = document.querySelectorAll(
-    "button, input, select, textarea, summary, a[href], [role=slider], [role=application], #cube",
+    "button, input, select, textarea, summary, a[href], [role=slider], [role=separator],"
+      + " [role=application], #cube",
   );
   return [...found].map(key).map((name) => name.replace(/^(sheet-controls Hold) .*/, "$1"));
 }"""
@@ -528,6 +541,7 @@ def sources() -> dict[str, str]:
 
 def test_an_example_is_opened_from_the_start_page(user):
     page = user(None)
+    page.page.click("#examples-title")
     page.click("#examples button:text-is('tower')")
     assert page.text("title") == "tower.kilter.json"
     assert page.text("verdict") == "Stable"
@@ -567,6 +581,12 @@ def test_every_control_of_the_page_has_a_test(user, folder):
         for name in ("changes", "compare", "transport", "place"):
             page.page.click(f"#tab-{name}")
             look()
+        page.page.click("#tab-transport")
+        page.page.click("#sheet-controls button:has-text('Place a strap')")
+        look()
+        page.page.click("#sheet-controls button:has-text('Cancel')")
+        tab(page, "forces")
+        look()
         page.page.click("#tab-margin")
         look()  # while it is computed
         for name in ("margin", "orient", "contacts"):
@@ -577,7 +597,12 @@ def test_every_control_of_the_page_has_a_test(user, folder):
     page = desk_page(user, folder, DESK | FLOATS)
     look()
     page = user("paper-figure-8")
+    page.choose("C2")
     for name in ("hold", "orient"):
+        tab(page, name)
+        look()
+    page = user("tower")
+    for name in ("plan", "margin"):
         tab(page, name)
         look()
     without = sorted(found - set(CONTROLS))

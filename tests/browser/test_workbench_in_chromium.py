@@ -157,7 +157,10 @@ def test_as1_with_keys_alone(user, folder):
     saved = page.choices()
     for listed in ("#examples button", "#listed button"):
         page.page.focus("body")
-        page.tab_to("#open-file").press("Enter").tab_to(listed)
+        page.tab_to("#open-file").press("Enter")
+        if listed == "#examples button":
+            page.tab_to("#examples-title").press("Enter")
+        page.tab_to(listed)
         while listed == "#listed button" and page.js(FOCUSED) != "as1-oc-214.kilter.json":
             page.press("Tab").tab_to(listed)
         page.after(lambda: page.press("Enter"))
@@ -196,7 +199,7 @@ def overhang() -> Assembly:
 
 
 def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user):
-    page = user(overhang())
+    page = user(overhang(), viewport={"width": 1400, "height": 900})
     page.page.click("#tab-place")
     page.page.fill("#place-size", "0.2 0.2 0.1")
     page.page.fill("#place-mass", "4")
@@ -427,8 +430,8 @@ def test_floor_axis_and_gravity(user, capsys, monkeypatch):
     assert page.down() == pytest.approx([-1, 0, 0])
     page.command_agrees(capsys, monkeypatch)
     page.after(lambda: page.page.select_option("#up", ""))
+    page.until("window.kilter.page.region !== null")  # the ball is coloured
     page.js("window.kilter.ask([0.6, 0, -0.8])")
-    assert page.js("window.kilter.found.from") == "cone"  # the ball is coloured
     page.click("#use-gravity")
     assert page.down() == pytest.approx([0.6, 0, -0.8])
     page.command_agrees(capsys, monkeypatch)

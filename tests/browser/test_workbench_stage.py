@@ -44,6 +44,9 @@ def test_the_film_of_an_order_is_on_the_stage(user):
         "(() => { const c = document.querySelector('#film-strip canvas');"
         " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(Boolean); })()"
     )
+    for arrow, step in (("›", "4"), ("‹", "3")):
+        page.page.click(f"#sheet-controls button:has-text('{arrow}')")
+        assert page.page.inner_text("#film-strip [aria-current] .step-number") == step
     page.page.click("#sheet-controls button:has-text('Play')")
     page.until(f"{PRESENT}.every(Boolean) && !window.bench.tabs.onStage.playing", 20)
     page.page.click("#tab-plan")  # closed: the answer again
@@ -159,9 +162,11 @@ def test_three_planes_cut_and_show_the_inside(user):
     center = page.js("window.kilter.page.center")
     corner = [[s * 0.4 - c for s, c in zip(signs, center, strict=True)] for signs in CORNERS]
     assert all(map(seen, corner))
-    for count, axis in enumerate("xyz", start=1):
-        page.page.select_option(f"#section-{axis}-side", "+")
-        page.slide(f"section-{axis}", -center["xyz".index(axis)] / page.js(RADIUS))
+    sides = ("section-x-side", "section-y-side", "section-z-side")
+    places = ("section-x", "section-y", "section-z")
+    for count, (side, place) in enumerate(zip(sides, places, strict=True), start=1):
+        page.page.select_option(f"#{side}", "+")
+        page.slide(place, -center[count - 1] / page.js(RADIUS))
         kept = [signs for signs, at in zip(CORNERS, corner, strict=True) if seen(at)]
         assert kept == [s for s in CORNERS if all(s[i] < 0 for i in range(count))]
     # the face of the cut is filled: the middle of the block is its inside, striped
@@ -233,3 +238,34 @@ def test_a_change_of_the_file_states_both_verdicts_and_keeps_choices(user, folde
     page.until("/was: .*Now: /.test(document.getElementById('message-words').textContent)")
     assert page.choices()["held"] == ["side"]
     assert page.text("verdict") == "Unstable"
+
+
+def test_a_strap_is_placed_by_clicks(user, capsys, monkeypatch):
+    page = user(loaded())
+    page.page.click("#tab-transport")
+    page.page.click("#sheet-controls button:has-text('Place a strap')")
+    page.page.click("#sheet-controls button:has-text('Add the strap')")
+    assert page.text("trouble-words").startswith("Click two or more points")
+    page.page.click("#end-trouble")
+    page.js("window.kilter.stage.view([1, -1, 1]); window.kilter.stage.render()")
+    box = page.page.locator("#picture").bounding_box()
+    where = (
+        "([name, at]) => { const { stage, page } = window.kilter; stage.render();"
+        " return stage.onScreen(at.map((c, k) => c - page.center[k])); }"
+    )
+    for name, at in (("base", [-1.5, -0.9, 0]), ("high", [0.2, -0.5, 1.6])):
+        x, y = page.js(where, [name, at])
+        page.page.mouse.click(box["x"] + x, box["y"] + y)
+    assert page.js("window.kilter.page.straps.at(-1).length") == 2
+    page.page.fill("#strap-tension", "1500")
+    page.click("#sheet-controls button:has-text('Add the strap')")
+    [strap] = page.choices()["straps"]
+    assert strap["tension"] == 1500
+    assert [name for name, _ in strap["path"]] == ["base", "high"]
+    assert strap["path"][1][1] == pytest.approx([0.2, -0.5, 1.6], abs=0.02)
+    page.command_agrees(capsys, monkeypatch)
+    page.click("#joined button:has-text('Remove')")
+    assert "straps" not in page.choices()
+    page.page.click("#sheet-controls button:has-text('Place a strap')")
+    page.page.click("#sheet-controls button:has-text('Cancel')")
+    assert page.js("window.kilter.tool") is None

@@ -31,7 +31,7 @@ def test_the_bar_beside_a_part_acts_on_it(user):
     page = user(loaded())
     page.page.mouse.click(*place_of(page, "side"))
     assert page.text("part-name") == "side"
-    bar, part = page.page.locator(BAR).bounding_box(), place_of(page, "side")
+    bar, part = page.page.locator("#selected-bar").bounding_box(), place_of(page, "side")
     assert abs(bar["x"] + bar["width"] / 2 - part[0]) < 250
     assert abs(bar["y"] + bar["height"] / 2 - part[1]) < 120
     page.click(f"{BAR} button:has-text('Hold')")
@@ -119,13 +119,14 @@ def test_panels_are_switched_and_their_edges_move(user):
     assert page.js(
         "document.documentElement.scrollHeight <= innerHeight"
     )  # a screen without a scroll bar
-    for name in ("gravity", "forces", "display", "answer"):
-        page.page.click(f"#open-{name}")
-        assert page.page.is_visible(f"#panel-{name}")
+    for name in ("open-gravity", "open-forces", "open-display", "open-answer"):
+        page.page.click(f"#{name}")
+        assert page.page.is_visible(f"#{name.replace('open', 'panel')}")
         assert page.page.locator("aside .panel:visible").count() == 1
         page.press("ArrowRight")
-    for name, key, grows in (("left", "ArrowRight", 1), ("right", "ArrowRight", -1)):
-        edge = page.page.locator(f"#edge-{name}")
+    for name, key, grows in (("edge-left", "ArrowRight", 1), ("edge-right", "ArrowRight", -1)):
+        edge = page.page.locator(f"#{name}")
+        edge.focus()
         before = int(edge.get_attribute("aria-valuenow"))
         box = edge.bounding_box()
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

@@ -24,7 +24,7 @@ ANSWERED = (
 )
 
 
-TOUCHED = ("click", "fill", "press", "select_option", "focus", "inner_text")
+TOUCHED = ("click", "fill", "press", "select_option", "focus", "check", "uncheck", "inner_text")
 """Methods of a page that need a visible element."""
 OPEN_PANEL = (
     "selector => { const panel = document.querySelector(selector)?.closest('.panel');"

@@ -4,7 +4,7 @@ import { GLSL3, LinearFilter, MaxEquation, Mesh, OneFactor, OrthographicCamera, 
 import { shadow, vertex } from "./shaders.js";
 import { scaled, unit } from "./vector.js";
 
-const SIDE = 4.2; // half side of the ground [radius of the picture]
+const SIDE = 3.2; // half side of the ground [radius of the picture]
 const PIXELS = 256; // of the shadow, in each direction
 const ABOVE = 2e-3; // the ground lies above the floor by this much, to be seen [radius of the picture]
 const LINES = 5; // least number of lines of the grid across the picture
@@ -17,7 +17,11 @@ export class Ground {
     this.up = scaled(unit(page.given.down), -1);
     this.height = lowest(page, this.up);
     this.reach = 1.35 * radius;
-    this.target = new WebGLRenderTarget(PIXELS, PIXELS, { minFilter: LinearFilter, magFilter: LinearFilter, depthBuffer: false });
+    const target = () => new WebGLRenderTarget(PIXELS, PIXELS, { minFilter: LinearFilter, magFilter: LinearFilter, depthBuffer: false });
+    [this.sharp, this.soft] = [target(), target()];
+    const blurring = new ShaderMaterial({ glslVersion: GLSL3, vertexShader: WHOLE, fragmentShader: BLUR, uniforms: { shade: { value: this.sharp.texture } }, depthTest: false, depthWrite: false });
+    this.blur = new Mesh(new PlaneGeometry(2, 2), blurring);
+    this.blur.frustumCulled = false;
     const step = roundStep((2 * radius) / LINES);
     this.material = new ShaderMaterial({
       glslVersion: GLSL3,
@@ -26,7 +30,7 @@ export class Ground {
       transparent: true,
       depthWrite: false,
       uniforms: {
-        shade: { value: this.target.texture },
+        shade: { value: this.soft.texture },
         reach: { value: this.reach },
         step: { value: step },
         side: { value: SIDE * radius },
@@ -49,15 +53,16 @@ export class Ground {
     this.mesh = new Mesh(new PlaneGeometry(2 * SIDE * radius, 2 * SIDE * radius), this.material);
     this.mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...this.up)));
     this.mesh.position.set(...scaled(this.up, this.height + ABOVE * radius));
-    this.mesh.visible = !page.planar;
+    this.planar = page.planar;
     this.mesh.renderOrder = -4;
     this.camera = new OrthographicCamera(-this.reach, this.reach, this.reach, -this.reach, -8 * radius, 8 * radius);
     this.drawn = -1;
   }
 
-  /** Draw the shadow anew if the parts have changed. */
-  shade(renderer) {
+  /** Draw the shadow anew if the parts have changed; `plain`: without ground, for quick pictures. */
+  shade(renderer, plain) {
     const { parts } = this;
+    this.mesh.visible = !plain && !this.planar;
     if (!this.mesh.visible || this.drawn === parts.texture.version) return;
     this.drawn = parts.texture.version;
     const { material } = parts.faces;
@@ -66,15 +71,18 @@ export class Ground {
     this.camera.quaternion.copy(this.mesh.quaternion);
     this.camera.position.set(0, 0, 0);
     this.camera.updateMatrixWorld();
+    const into = renderer.getRenderTarget(); // of the picture that is being drawn
     const world = matrixWorld.clone();
     matrixWorld.identity();
     parts.faces.matrixWorldAutoUpdate = false;
     parts.faces.material = this.throwing;
     parts.faces.parent = null;
-    renderer.setRenderTarget(this.target);
+    renderer.setRenderTarget(this.sharp);
     renderer.clear();
     renderer.render(parts.faces, this.camera);
-    renderer.setRenderTarget(null);
+    renderer.setRenderTarget(this.soft);
+    renderer.render(this.blur, this.camera);
+    renderer.setRenderTarget(into);
     parts.faces.parent = parent;
     parts.faces.material = material;
     parts.faces.matrixWorldAutoUpdate = true;
@@ -87,8 +95,7 @@ export class Ground {
   }
 
   dispose() {
-    this.target.dispose();
-    this.material.dispose();
+    for (const each of [this.sharp, this.soft, this.material, this.blur.material, this.blur.geometry]) each.dispose();
     this.throwing.dispose();
     this.mesh.geometry.dispose();
   }
@@ -142,18 +149,38 @@ float line(vec2 p, float every) {
 
 void main() {
   float fade = 1.0 - smoothstep(0.35, 0.95, length(at) / side);
+  if (fade <= 0.0) discard;
   float grid = max(0.16 * line(at, step), 0.3 * line(at, 5.0 * step)) * fade;
   vec2 uv = 0.5 + 0.5 * at / reach;
-  float dark = 0.0;
-  for (int i = -3; i <= 3; i++) {
-    for (int j = -3; j <= 3; j++) {
-      vec2 p = uv + vec2(float(i), float(j)) * 0.011;
-      bool inside = all(greaterThan(p, vec2(0.0))) && all(lessThan(p, vec2(1.0)));
-      if (inside) dark += texture(shade, p).r * exp(-0.16 * float(i * i + j * j));
-    }
-  }
-  dark = 0.42 * dark / 18.5;
+  bool inside = all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
+  float dark = inside ? 0.42 * texture(shade, uv).r : 0.0;
   // the shadow darkens, the lines have the colour of the ink
   result = vec4(ink * grid / max(grid + dark, 1e-4), min(0.75, grid + dark));
+}
+`;
+
+const WHOLE = `
+out vec2 spot;
+void main() {
+  spot = 0.5 + 0.5 * position.xy;
+  gl_Position = vec4(position.xy, 0.0, 1.0);
+}
+`;
+
+const BLUR = `precision highp float;
+uniform sampler2D shade;
+in vec2 spot;
+out vec4 result;
+void main() {
+  float dark = 0.0;
+  float whole = 0.0;
+  for (int i = -3; i <= 3; i++) {
+    for (int j = -3; j <= 3; j++) {
+      float weight = exp(-0.16 * float(i * i + j * j));
+      dark += weight * texture(shade, spot + vec2(float(i), float(j)) * 0.011).r;
+      whole += weight;
+    }
+  }
+  result = vec4(dark / whole, 0.0, 0.0, 1.0);
 }
 `;

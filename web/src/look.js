@@ -34,6 +34,9 @@ export class Look {
     this.tree = new Tree(this);
   }
 
+  /** A tool that takes the clicks in the picture; null: a click selects. */
+  tool = null;
+
   /** Draw for the first time, when the set-up is complete. */
   begin() {
     this.theme();
@@ -295,6 +298,7 @@ export class Look {
       this.framing = false;
       id("frame").hidden = true;
       if (framed) this.choose(this.stage.within(framed), "add");
+      else if (still && this.tool) this.tool.click(...to);
       else if (still && this.measure.on) this.measure.click(...to);
       else if (still) {
         const part = this.stage.pick(...to);

@@ -437,7 +437,7 @@ export class Stage {
   shoot(camera) {
     this.clip(camera);
     this.scene.updateMatrixWorld();
-    if (!this.isPlain) this.ground.shade(this.renderer);
+    this.ground.shade(this.renderer, this.isPlain);
     this.overRoot.quaternion.copy(this.root.quaternion);
     const { material } = this.parts;
     for (const name of ["cap", "back", "front"]) this.root.worldToLocal(material[name].uniforms.eye.value.copy(camera.position));

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from kilter.assembly.assumption import valid_rung
+from kilter.assembly.straps import Strap
 from kilter.errors import InputError, short_name
 from kilter.files.own.choices import Choices
 from kilter.workbench.connections import index_of
@@ -272,6 +273,17 @@ def _load(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     return {"loads": loads}, f"load {index + 1}: {size:.3g} N on {part}"
 
 
+def _strap(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
+    tension = _not_negative(action.get("tension"), "the tension")
+    path = action.get("path")
+    if not isinstance(path, list) or not all(isinstance(p, list) and len(p) == 2 for p in path):
+        raise InputError(f"the path of a strap is {path!r:.60}", hint="click two or more points")
+    points = [[str(name), _vector(at, "the point of a strap")] for name, at in path]
+    entry = Strap([(name, at) for name, at in points], tension=tension)
+    straps = [*keys.get("straps", []), {"path": points, "tension": entry.tension}]
+    return {"straps": straps}, f"strap {len(straps)} of {tension:.3g} N over {len(points)} points"
+
+
 def _scale_loads(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     factor = _not_negative(action["factor"], "the factor of the loads")
     loads = [
@@ -371,6 +383,8 @@ ACTIONS: dict[str, Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]] = {
     "load_off": _removal("loads", "load"),
     "scale_loads": _scale_loads,
     "gravity": _gravity,
+    "strap": _strap,
+    "strap_off": _removal("straps", "strap"),
     "units": _units,
     "density": _density,
     "tolerance": _tolerance,

@@ -27,7 +27,7 @@ export class Decide {
       id("suggestions"),
       `Pairs that look fastened (${urgent.length})`,
       urgent.slice(0, LISTED).map(join),
-      ...(urgent.length > 1 ? [button("Join all of them", () => bench.act({ do: "fasten_suggested", on: true }), "joins all pairs that look fastened")] : []),
+      button("Join all of them", () => bench.act({ do: "fasten_suggested", on: true }), "joins all pairs that look fastened"),
     );
     const decide = (pairs, as) => bench.act({ do: "pair", pairs: pairs.map(({ parts }) => parts), as });
     const open_ = (one) =>

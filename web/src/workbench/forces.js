@@ -124,6 +124,9 @@ export class Forces {
       ...(choices.bonds ?? []).map((one, index) =>
         entry(`bond of ${force(one.pull)} per point: ${pair(one)}`, button("Remove", () => bench.act({ do: "bond_off", index }))),
       ),
+      ...(choices.straps ?? []).map((one, index) =>
+        entry(`strap of ${force(one.tension)}: ${one.path.map(([part]) => short(part)).join(", ")}`, button("Remove", () => bench.act({ do: "strap_off", index }))),
+      ),
       ...(choices.friction_pairs ?? []).map((one) =>
         entry(`friction ${one.mu}: ${pair(one)}`, button("Remove", () => bench.act({ do: "pair_friction", parts: one.parts, mu: null }))),
       ),

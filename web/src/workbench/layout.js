@@ -11,9 +11,9 @@ const PANELS = {
 };
 const NUDGE = 24; // an arrow key moves an edge by this much [CSS px]
 const EDGES = {
-  left: { label: "width of the list of parts", least: 170, most: 520, sign: 1, upright: true },
-  right: { label: "width of the panels", least: 280, most: 640, sign: -1, upright: true },
-  sheet: { label: "height of the analysis", least: 120, most: 640, sign: -1, upright: false },
+  left: { label: "width of the list of parts", panel: ".parts-column", least: 170, most: 520, sign: 1, upright: true },
+  right: { label: "width of the panels", panel: "aside", least: 280, most: 640, sign: -1, upright: true },
+  sheet: { label: "height of the analysis", panel: "#sheet", least: 120, most: 640, sign: -1, upright: false },
 };
 
 export class Layout {
@@ -89,7 +89,7 @@ export function roveTabs(buttons, event) {
 
 /** An edge between two panels that is dragged, or moved by the arrow keys. */
 function edge(name) {
-  const { label, least, most, sign, upright } = EDGES[name];
+  const { label, panel, least, most, sign, upright } = EDGES[name];
   const element = document.createElement("div");
   element.id = `edge-${name}`;
   element.className = "edge";
@@ -97,13 +97,14 @@ function edge(name) {
   const attributes = { role: "separator", "aria-label": label, "aria-orientation": upright ? "vertical" : "horizontal", "aria-valuemin": least, "aria-valuemax": most };
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
   const variable = `--${name}`;
-  const size = () => parseFloat(getComputedStyle(document.body).getPropertyValue(variable));
+  const size = () => document.querySelector(panel)[upright ? "offsetWidth" : "offsetHeight"];
   const set = (value) => {
     const now = Math.round(Math.max(least, Math.min(most, value)));
     document.body.style.setProperty(variable, `${now}px`);
     element.setAttribute("aria-valuenow", String(now));
   };
-  element.setAttribute("aria-valuenow", String(size()));
+  element.setAttribute("aria-valuenow", String(Math.max(least, size())));
+  element.addEventListener("focus", () => element.setAttribute("aria-valuenow", String(Math.max(least, size()))));
   let from = null;
   element.addEventListener("pointerdown", (e) => {
     element.setPointerCapture(e.pointerId);

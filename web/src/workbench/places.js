@@ -55,6 +55,11 @@ export class Places {
     stage.draw();
   }
 
+  /** A coordinate as text; below the rounding of the picture it is 0. */
+  length(value) {
+    return Math.abs(value) < 1e-6 * this.bench.report.page.radius ? "0" : value.toPrecision(4);
+  }
+
   listen(stage) {
     if (this.heard === stage) return;
     this.heard = stage;
@@ -82,7 +87,7 @@ export class Places {
     if (!words) return;
     words.dataset.state = found ? found.state : "";
     words.textContent = found
-      ? `x ${place[0].toPrecision(4)}, y ${place[1].toPrecision(4)}: ${WORDS[found.state]}`
+      ? `x ${this.length(place[0])}, y ${this.length(place[1])}: ${WORDS[found.state]}`
       : "move the pointer over the map";
   }
 }

@@ -9,6 +9,7 @@ import { button, entered, entry, numbersOf, refill } from "./entries.js";
 import { roveTabs } from "./layout.js";
 import { Places } from "./places.js";
 import { sentence } from "./start.js";
+import { StrapTool } from "./strap_tool.js";
 
 const TABS = {
   changes: "Changes",
@@ -32,6 +33,7 @@ export class Tabs {
     this.now = null;
     this.places = new Places(bench);
     this.onStage = new OnStage(bench);
+    this.strap = new StrapTool(bench);
     this.buttons = Object.entries(TABS).map(([name, label], k) => {
       const element = button(label, () => this.show(this.now === name ? null : name));
       element.id = `tab-${name}`;
@@ -180,7 +182,7 @@ export class Tabs {
       else this.bench.complain("Give the acceleration: 3 numbers, separated by spaces, in m/s² or with g as 0.5g.");
     });
     const rule = button("By this rule", () => (code.value ? this.ask({ code: code.value }) : this.bench.complain("Choose a rule.")));
-    return [limits, field, at, code, rule];
+    return [limits, field, at, code, rule, ...this.strap.controls()];
   }
 
   comparison() {
