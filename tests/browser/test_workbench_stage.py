@@ -44,8 +44,8 @@ def test_the_film_of_an_order_is_on_the_stage(user):
         "(() => { const c = document.querySelector('#film-strip canvas');"
         " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(Boolean); })()"
     )
-    for arrow, step in (("›", "4"), ("‹", "3")):
-        page.page.click(f"#sheet-controls button:has-text('{arrow}')")
+    for label, step in (("Forward", "4"), ("Back", "3")):
+        page.page.click(f"#sheet-controls button:has-text('{label}')")
         assert page.page.inner_text("#film-strip [aria-current] .step-number") == step
     page.page.click("#sheet-controls button:has-text('Play')")
     page.until(f"{PRESENT}.every(Boolean) && !window.bench.tabs.onStage.playing", 20)

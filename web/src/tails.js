@@ -23,7 +23,7 @@ export function tailsOf(names) {
   return new Set(flat).size === names.length ? flat : names;
 }
 
-/** What distinguishes paths of the same last component: at each level the differing end. */
+/** The differing ends of the paths of equal last components, level by level. */
 function contexts(paths) {
   const depth = Math.max(...paths.map((path) => path.length));
   // levels are counted from the last component, so that shorter paths lack the outer ones

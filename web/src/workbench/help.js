@@ -19,8 +19,8 @@ const TOUR = [
   ["#banner", "The answer", "The verdict with its reason, and the row of assumptions: the parts as drawn, with their play, with fastened pairs, or all joined."],
   [".stage", "The picture", "Parts that move have a coloured outline and an arrow. Click a part to act on it; drag to turn the view."],
   ["#part-card", "The parts", "Search, hide and select parts; below are the facts of the selected part, its material, mass and loads."],
-  ["#panel-list", "What you decide", "Questions that change the verdict, the direction of gravity, friction and loads, and the display."],
-  ["#tabs", "What you can ask", "Which way up, how far it may tilt, in which order it can be built, what to hold. Each answer has its command line."],
+  ["#panel-list", "Your decisions", "Questions that change the verdict, the direction of gravity, friction and loads, and the display."],
+  ["#tabs", "Your questions", "Which way up, how far it may tilt, in which order it can be built, which parts to hold. Each answer has its command line."],
 ];
 const MORE = "Each command explains itself: kilter --help, kilter check --help. The guide is in the folder docs of the project.";
 

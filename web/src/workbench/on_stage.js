@@ -46,7 +46,7 @@ export class OnStage {
   controls() {
     if (this.strip) {
       this.playButton = button(this.playing ? "Pause" : "Play", () => (this.playing ? this.pause() : this.play()));
-      return [button("\u2039", () => this.jump(-1), "previous step"), this.playButton, button("\u203a", () => this.jump(1), "next step")];
+      return [button("Back", () => this.jump(-1), "previous step"), this.playButton, button("Forward", () => this.jump(1), "next step")];
     }
     if (!this.cases.length) return [];
     const select = document.createElement("select");
