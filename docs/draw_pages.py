@@ -109,10 +109,14 @@ def walkthrough(page: Any, folder: Path) -> None:
         page.evaluate("document.getElementById('listed-folder').textContent = 'arches'")
         frames.append(shot(page))
         after(lambda: page.click("#listed button"))
+        page.click("#open-forces")
         after(lambda: enter("0.3"))
+        after(lambda: enter("0.5"))
         tab("margin")
+        page.select_option("#limit-case", "0")
+        frames.append(shot(page))
         save(frames[-1], "workbench")
-        after(lambda: enter("0.4"))
+        tab("plan")
         page.fill("#find", "voussoir-10")
         page.press("#find", "Enter")
         after(lambda: page.click("#do-leave-out"))
@@ -140,6 +144,7 @@ def main() -> None:
     parts = {"reports": reports, "walkthrough": walkthrough}
     chromium = os.environ.get("KILTER_CHROMIUM") or shutil.which("chromium")
     with sync_playwright() as playwright, TemporaryDirectory() as name:
+        os.environ["XDG_STATE_HOME"] = name  # without the recent files of the user
         browser = playwright.chromium.launch(executable_path=chromium, args=ARGUMENTS)
         page = browser.new_page(viewport=SIZE)
         for part in sys.argv[1:] or parts:
