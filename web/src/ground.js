@@ -22,7 +22,7 @@ export class Ground {
     const blurring = new ShaderMaterial({ glslVersion: GLSL3, vertexShader: WHOLE, fragmentShader: BLUR, uniforms: { shade: { value: this.sharp.texture } }, depthTest: false, depthWrite: false });
     this.blur = new Mesh(new PlaneGeometry(2, 2), blurring);
     this.blur.frustumCulled = false;
-    const step = roundStep((2 * radius) / LINES);
+    this.step = roundStep((2 * radius) / LINES);
     this.material = new ShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: PLACE,
@@ -32,7 +32,7 @@ export class Ground {
       uniforms: {
         shade: { value: this.soft.texture },
         reach: { value: this.reach },
-        step: { value: step },
+        step: { value: this.step },
         side: { value: SIDE * radius },
         ink: { value: new Vector3(0, 0, 0) },
       },

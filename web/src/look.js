@@ -247,7 +247,9 @@ export class Look {
       added: stage.ghost.group.visible,
       seat: stage.lines.visible,
       gauge: some(stage.gauge),
+      grid: !page.planar,
     };
+    id("grid-step").textContent = `${Number(stage.ground.step.toPrecision(3))} ${page.units}`;
     for (const [name, on_] of Object.entries(drawn)) id(`${name}-key`).hidden = !on_;
   }
 
