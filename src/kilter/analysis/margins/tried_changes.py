@@ -31,7 +31,7 @@ from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.clusters import limit_groups
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box, Cylinder, Prism
+from kilter.shape.primitives import Box, Cylinder, Prism, Sphere
 from kilter.tell.numbers import number, vector
 from kilter.tell.record import OneOf, OrNull, Record, Vector, Word
 from kilter.work import Work
@@ -247,7 +247,7 @@ def _frictions(
 def growing_sizes(assembly: Assembly, touching: ContactSet, k: int) -> list[str]:
     """Names of the sizes of a part that grow along all of its contacts."""
     part, normals = assembly.parts[k], _normals(touching, k)
-    if not len(normals):
+    if not len(normals) or isinstance(part.shape, Sphere):  # a ball grows into what it touches
         return []
     own = np.abs(normals @ part.pose.matrix).max(axis=0) > ALONG
     flat = ("y", "depth") if assembly.planar else ()
