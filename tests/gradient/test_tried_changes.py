@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, FrictionPair, Load, Part
+from kilter import Assembly, Box, FrictionPair, Load, Part, Sphere
 from kilter.cli import main
 from kilter.scenes import arches, stacks
 from kilter.scenes.pieces import block
@@ -127,3 +127,11 @@ def test_bonds_have_no_changes_but_a_reason():
     answer = kilter.margin(glued, improve=True)
     assert not answer.improvements
     assert any("not computed for bonds" in warning for warning in answer.warnings)
+
+
+def test_a_ball_is_not_made_larger_where_it_rests():
+    """A larger ball at the same centre would enter the block below it."""
+    base = Part("base", Box([2, 2, 1]), [0, 0, -0.5], grounded=True)
+    assembly = Assembly([base, Part("ball", Sphere(0.5), [0.2, 0, 0.5])], friction=0.5)
+    for change in kilter.margin(assembly, improve=True).improvements:
+        assert (change.what, change.parts) != ("size", ("ball",))
