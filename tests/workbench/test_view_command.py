@@ -311,6 +311,10 @@ EFFECTS = [
         {"loads": [{"part": "nut_1", "force": [0.0, 0.0, -5.0]}]},
     ),
     (
+        {"do": "strap", "path": [["rod", [0, 0, 1]], ["ground", [1, 0, 0]]], "tension": 800},
+        {"straps": [{"path": [["rod", [0.0, 0, 1]], ["ground", [1.0, 0, 0]]], "tension": 800.0}]},
+    ),
+    (
         {"do": "poses", "poses": {"rod": {"position": [0, 0, 1], "rotation": [1, 0, 0, 0]}}},
         {"poses": {"rod": {"position": [0.0, 0.0, 1.0], "rotation": [1.0, 0.0, 0.0, 0.0]}}},
     ),
@@ -332,7 +336,7 @@ def test_an_action_changes_its_key(action, keys):
 
 def test_each_action_has_a_test():
     listed = {action["do"] for action, _ in EFFECTS}
-    removing = {"joint_off", "bond_off", "load_off", "scale_loads"}
+    removing = {"joint_off", "bond_off", "load_off", "scale_loads", "strap_off"}
     assert listed | removing == set(ACTIONS)
 
 

@@ -136,6 +136,7 @@ def limit(
     See Also
     --------
     kilter.margin : limits of tilt, friction and loads, which need no function.
+    kilter.check : the verdict on a single assembly.
 
     Examples
     --------
