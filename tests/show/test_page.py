@@ -143,8 +143,8 @@ def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live
 def test_the_page_names_no_address():
     page = render(everything(scene("paper-figure-8")), "f8")
     found = set(re.findall(r"[a-z]+://[^\s\"'`<>)]+", page))
-    # a namespace of elements, which is never requested
-    assert found <= {"http://www.w3.org/1999/xhtml"}
+    # namespaces of elements, which are never requested
+    assert found <= {"http://www.w3.org/1999/xhtml", "http://www.w3.org/2000/svg"}
     for tag, attrs in Tags(page).found:
         assert not {"src", "href", "srcset", "action", "data"} & set(attrs), tag
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kilter.show.canvas import new_figure
+from kilter.tell.palette import ROLES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,9 +23,9 @@ def parameter_figure(limit: ParameterLimit) -> Figure:
     for reached, mark in ((True, "o"), (False, "x")):
         values = [each.value for each in limit.values if each.reached == reached]
         words = [each.verdict for each in limit.values if each.reached == reached]
-        axes.plot(values, words, mark, color="black" if reached else "crimson")
+        axes.plot(values, words, mark, color=ROLES["ink" if reached else "unstable"].light)
     for value in (limit.inside, limit.outside):
-        axes.axvline(value, color="grey", linewidth=0.8)
+        axes.axvline(value, color=ROLES["soft"].light, linewidth=0.8)
     axes.set_xlabel("parameter")
     axes.set_title(limit.sentence, fontsize=9)
     return figure

@@ -11,6 +11,7 @@ from kilter.show.figures import camera_of
 from kilter.show.painter import Polygon, back_to_front
 from kilter.show.shapes import place_shapes
 from kilter.show.solids import DARK, LIGHT, part_polygons
+from kilter.tell.palette import ROLES
 
 if TYPE_CHECKING:
     from kilter.arrays import Array
@@ -58,5 +59,6 @@ def _path(corners: Array, polygon: Polygon, colours: Array, light: Array) -> str
     face = f'<path d="M{"L".join(points)}Z" fill="{fill}" stroke="{fill}" stroke-width=".6"/>'
     after = points[1:] + points[:1]
     sides = [f"M{a}L{b}" for a, b, drawn in zip(points, after, polygon.drawn, strict=True) if drawn]
-    edges = f'<path d="{"".join(sides)}" stroke="#1b2530" stroke-width=".8"/>' if sides else ""
-    return face + edges
+    if not sides:
+        return face
+    return face + f'<path d="{"".join(sides)}" stroke="{ROLES["edge"].light}" stroke-width=".8"/>'

@@ -83,6 +83,7 @@ class Session:
         self._shapes: Any = None
         self._watch: asyncio.Task[None] | None = None
         self._autosaves = True
+        self._recent: set[Path] = set()  # recent files that were opened; each may lie anywhere
 
     # pages -----------------------------------------------------------------------------
 
@@ -263,6 +264,7 @@ class Session:
             path = Path(str(message["recent"]))
             if str(path) not in recent_files():
                 raise InputError(f"{path.name!r:.80} is not among the recent files")
+            self._recent.add(Path(os.path.realpath(path)))
         else:
             path = self._inside(str(message.get("file", "")))
         await self.open(path)
@@ -315,6 +317,8 @@ class Session:
             raise
         self.path = Path(opened["path"])
         bodies: OpenedParts = opened["bodies"]
+        if path in self._recent:
+            self._recent.add(self.path)
         self._stamp = fingerprint(str(self.path))
         if not self._is_upload:
             remember_file(path)
@@ -342,8 +346,8 @@ class Session:
     def _job_of(self, path: Path) -> dict[str, Any]:
         """The job that opens a file, with the folder whose files it may read."""
         folder = self.uploads if path.is_relative_to(self.uploads) else self.folder
-        if not path.is_relative_to(folder):
-            folder = path.parent  # a recent file of another folder
+        if path in self._recent:
+            folder = path.parent
         return {"job": "open", "file": str(path), "folder": str(folder)}
 
     def _restore(self, bodies: OpenedParts, *, given: bool) -> None:
