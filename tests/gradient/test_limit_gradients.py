@@ -301,3 +301,11 @@ def test_an_unchanged_copy_of_the_census_changes_no_limit(family, monkeypatch):
     count = len(given.parts)
     none = np.zeros((3, 3)), 0.0, np.zeros(count), np.zeros((count, 3)), 0.0
     assert census.changed(given, *none) == given
+
+
+def test_differences_of_a_limit_have_the_digits_of_its_slope(monkeypatch):
+    """A load factor of -0.02, whose differences had five digits: Newton's method ended too soon."""
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    census = loaded(FILE)
+    monkeypatch.setattr(sys, "argv", [str(FILE), "1", "--first", "42", "--family", "pile"])
+    assert census.main() == 0

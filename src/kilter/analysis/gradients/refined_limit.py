@@ -24,7 +24,7 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 
 STEPS = 8
-"""Largest number of steps of Newton's method."""
+"""Largest number of steps of Newton's method; they end where only rounding is left."""
 LARGEST = 1500
 """Largest number of unknowns for which the equations are solved."""
 NULL = 1e-9
@@ -92,12 +92,14 @@ def refine_limit(solved: SolvedLimit) -> RefinedLimit | None:
     if equations.count > LARGEST:
         return None
     x = equations.start()
-    for _ in range(STEPS):
-        residual, matrix = equations.at(x)
-        if np.abs(residual).max() <= LIMIT_REFINED:
-            break
-        x = x + _least_step(matrix, -residual)
     residual, matrix = equations.at(x)
+    for _ in range(STEPS):
+        accepted = np.abs(residual).max() <= LIMIT_REFINED
+        moved = x + _least_step(matrix, -residual)
+        following, slopes = equations.at(moved)
+        if accepted and not np.abs(following).max() < np.abs(residual).max() / 2:
+            break  # only rounding is left
+        x, residual, matrix = moved, following, slopes
     if not np.abs(residual).max() <= LIMIT_REFINED:
         return None
     refined = equations.solved(x)
