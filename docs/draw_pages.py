@@ -28,7 +28,7 @@ SIZE = {"width": 1320, "height": 880}
 """Size of the window [px]."""
 FILM = (880, 587)
 """Size of the pictures of the walkthrough [px]."""
-FILM_QUALITY = 34
+FILM_QUALITY = 29
 """Quality of the compression of the walkthrough, up to 100; a larger value gives a larger file."""
 REST = 2200
 """Time for which each picture of the walkthrough is shown [ms]."""

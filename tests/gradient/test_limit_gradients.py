@@ -309,3 +309,13 @@ def test_differences_of_a_limit_have_the_digits_of_its_slope(monkeypatch):
     census = loaded(FILE)
     monkeypatch.setattr(sys, "argv", [str(FILE), "1", "--first", "42", "--family", "pile"])
     assert census.main() == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [106, 114])
+def test_a_tilt_whose_direction_settles_slowly_has_its_slope(seed, monkeypatch):
+    """Plain turns of the direction shrink by 3 to 22 % a step, and 20 of them do not settle."""
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    census = loaded(FILE)
+    monkeypatch.setattr(sys, "argv", [str(FILE), "1", "--first", str(seed), "--family", "pile"])
+    assert census.main() == 0

@@ -36,6 +36,8 @@ DIRECTIONS = 8
 """Largest number of directions with the same limit that are told apart."""
 APART = 1e-3
 """Directions that differ by more are different cases [rad]."""
+SAME_VALUE = 1e-9
+"""Limits whose relative difference is below this are equal; refined limits have twelve digits."""
 
 
 class KnownLimits(Protocol):
@@ -122,11 +124,20 @@ def _tilt(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
         found = [turned(float(angle)) for angle in angles]
     else:
         found = [_tilt_case(margin, direction, slope) for direction in chosen]
-    cases = tuple(case for case in found if case is not None)
+    cases = _least(tuple(case for case in found if case is not None), bool(turned))
     if not cases:
         return None
     copied = _has_copies(margin.program, cases[0].solved)
     return LimitCases(of, float(np.degrees(tilt.angle)), "deg", 1.0, cases, copied, turned)
+
+
+def _least(cases: tuple[LimitCase, ...], even: bool) -> tuple[LimitCase, ...]:
+    """The cases with the least limit to rounding; all cases at even angles."""
+    settled = [case.solved.value for case in cases if case.refined is not None]
+    if even or not settled:
+        return cases
+    least = min(settled)
+    return tuple(case for case in cases if case.solved.value <= least + SAME_VALUE * abs(least))
 
 
 def _least_tilts(margin: KnownLimits, tilt: TiltMargin, slope: float) -> list[Array]:
@@ -188,14 +199,16 @@ def _tilt_case(
     solved = replace(solved, along_mass=program.g * direction)
     weights = program.mass * program.free
 
-    def turned(solved: SolvedLimit) -> SolvedLimit:
+    def sought(solved: SolvedLimit) -> Array:
         moment = weights @ solved.motion[:, :3]
         aside = moment - (moment @ down) * down
-        aside = aside / max(float(np.linalg.norm(aside)), TINY)
+        return np.asarray(aside / max(float(np.linalg.norm(aside)), TINY))
+
+    def aimed(solved: SolvedLimit, aside: Array) -> SolvedLimit:
         along = gravity_wrench(solved.program, aside)
         return replace(solved, along=along, along_mass=program.g * aside)
 
-    case = least_direction(solved, turned) if turns else refined_case(solved)
+    case = least_direction(solved, direction, sought, aimed) if turns else refined_case(solved)
     return case if case.solved.value <= slope * (1 + SAME_LIMIT) + SAME_LIMIT else None
 
 
@@ -264,12 +277,17 @@ def _part_limit(margin: KnownLimits, of: str, part: str | None) -> LimitCases | 
     wrench[k, :3] = along
     solved = replace(_solved(limit, wrench), value=amount, fixed=_fixed_loads(margin, 1.0))
 
-    def turned(given: SolvedLimit) -> SolvedLimit:
-        step, along = given.motion[k, :3], np.zeros_like(wrench)
-        along[k, :3] = step / max(float(np.linalg.norm(step)), TINY)
+    def sought(given: SolvedLimit) -> Array:
+        step = given.motion[k, :3]
+        return np.asarray(step / max(float(np.linalg.norm(step)), TINY))
+
+    def aimed(given: SolvedLimit, way: Array) -> SolvedLimit:
+        along = np.zeros_like(wrench)
+        along[k, :3] = way
         return replace(given, along=along)
 
-    case = refined_case(solved) if of == "load" else least_direction(solved, turned)
+    fixed = of == "load"
+    case = refined_case(solved) if fixed else least_direction(solved, along, sought, aimed)
     return LimitCases(of, amount, "N", 1.0, (case,), False)
 
 
