@@ -18,17 +18,21 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from driver import Page
 
 import kilter
+from kilter import Assembly, Box, Part
 from kilter.cli import main
+from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.scenes import scene
 from kilter.workbench import session, worker, worker_process
 from kilter.workbench.actions import ACTIONS, apply
+from kilter.workbench.answering import _relative_motion, tab_data
 from kilter.workbench.history import Change, History
-from kilter.workbench.live_assembly import OpenedParts
+from kilter.workbench.live_assembly import OpenedParts, Prepared
 from kilter.workbench.server import Workbench, folder_of
 from kilter.workbench.worker_process import WorkerProcess
 
@@ -612,3 +616,32 @@ def test_the_report_of_a_state_has_the_words_of_the_page(actions, page, folder, 
         line = re.sub(r"\s+", " ", f"{term} {words}")
         assert line in live
         assert line in offline
+
+
+@pytest.mark.parametrize("pair", ["ab", ["a"], [1, 2], {"a": 1}, 3])
+def test_a_wrong_pair_of_a_range_is_a_sentence(pair):
+    assembly = scene("tower")
+    prepared = Prepared(assembly, kilter.contacts(assembly), Tolerance(), ())
+    with pytest.raises(InputError, match="the pair is"):
+        tab_data(
+            "forces",
+            prepared,
+            START,
+            {"between": pair},
+            saved=None,
+            center=np.zeros(3),
+            progress=lambda words: None,
+        )
+
+
+def test_a_joint_may_decide_unless_a_known_motion_does_not_need_it():
+    """Of a pair that falls as a single body a joint stops nothing; without a motion it may."""
+    table = Part("table", Box([9, 9, 1]), [0, 0, -0.5], grounded=True)
+    low = Part("low", Box([1, 1, 1]), [0, 0, 2.5])
+    high = Part("high", Box([1, 1, 1]), [0, 0, 3.5])
+    verdict = kilter.check(Assembly([table, low, high]))
+    moves = _relative_motion(verdict)
+    assert (moves("low", "high"), moves("low", "table")) == (False, True)
+    may = kilter.check(scene("bracket"))
+    assert may.verdict == "potentially-stable"
+    assert _relative_motion(may)(*may.assembly.names[:2])

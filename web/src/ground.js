@@ -1,6 +1,6 @@
 // The ground under an assembly: a grid in whole lengths, and the soft shadow of the parts.
 
-import { GLSL3, LinearFilter, MaxEquation, Mesh, OneFactor, OrthographicCamera, PlaneGeometry, Quaternion, ShaderMaterial, Vector3, WebGLRenderTarget, CustomBlending } from "three";
+import { Color, GLSL3, LinearFilter, MaxEquation, Mesh, OneFactor, OrthographicCamera, PlaneGeometry, Quaternion, ShaderMaterial, Vector3, WebGLRenderTarget, CustomBlending } from "three";
 import { shadow, vertex } from "./shaders.js";
 import { scaled, unit } from "./vector.js";
 
@@ -34,7 +34,7 @@ export class Ground {
         reach: { value: this.reach },
         step: { value: this.step },
         side: { value: SIDE * radius },
-        ink: { value: new Vector3(0, 0, 0) },
+        ink: { value: new Color() },
       },
     });
     this.throwing = new ShaderMaterial({
@@ -90,8 +90,7 @@ export class Ground {
   }
 
   theme(style) {
-    const hex = style("ink").replace("#", "");
-    this.material.uniforms.ink.value.set(...[0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16) / 255));
+    this.material.uniforms.ink.value.set(style("ink"));
   }
 
   dispose() {

@@ -230,22 +230,28 @@ def only_given(verdict: Verdict) -> Everything:
     )
 
 
-def only_directions(verdict: Verdict, orientation: Orientation, tell: Tell) -> Everything:
-    """The answers of a page about other directions of gravity, for a known orientation."""
-    assembly, contacts = verdict.assembly, verdict.contact_set
+def only_directions(
+    assembly: Assembly, contacts: ContactSet, orientation: Orientation, tell: Tell
+) -> Everything:
+    """The answers of a page about other directions of gravity, for a known orientation.
+
+    The answer for the given direction is left out.
+    """
     notes: list[str] = []
-    stable, recommended, none = _directions(
-        assembly, contacts, verdict.effort, tell, notes, orientation
-    )
+    stable, recommended, none = _directions(assembly, contacts, EFFORT, tell, notes, orientation)
     found = stable if stable is None else _with_rests(stable, assembly, contacts)
-    return replace(
-        only_given(verdict),
+    return Everything(
+        assembly=assembly,
+        contacts=contacts,
+        given=Answered(assembly.down, {}, None),
         recommended=recommended,
         region=None if found is None else found.to_dict(),
         inner=None if found is None or found.gap_deg is None else found.cone,
         none=none,
         rays=() if stable is None else _ray_forces(assembly, contacts, stable),
         map=None if stable is None else _map(assembly, contacts, tell, notes),
+        margin=None,
+        change=None,
         notes=tuple(notes),
     )
 

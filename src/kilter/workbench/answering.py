@@ -345,8 +345,9 @@ def _relative_motion(verdict: Verdict) -> Callable[[str, str], bool]:
     A joint of a pair that moves as a single body, or rests, does not prevent the motion.
     """
     parts = [part for part in verdict.parts if part.acceleration is not None]
-    if not parts:
-        return lambda first, second: False
+    if verdict.verdict != "unstable" or not parts:
+        # no motion is known that a joint would have to stop, so any joint may decide
+        return lambda first, second: verdict.verdict not in LASTING
     twists = np.array([part.acceleration for part in parts])
     index = {part.name: k for k, part in enumerate(parts)}
     assembly = verdict.assembly
@@ -430,9 +431,12 @@ def _numbers(values: Any, what: str) -> list[float]:
 
 def _forces(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
     verdict = prepared_check(prepared, "complete", tell)
-    between = [tuple(options["between"])] if options.get("between") else None
-    words = ["--between", *options["between"]] if options.get("between") else ["--forces"]
-    return _Ranges(verdict.force_ranges(between)), words
+    pair = options.get("between")
+    if pair is None:
+        return _Ranges(verdict.force_ranges()), ["--forces"]
+    if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(x, str) for x in pair):
+        raise InputError(f"the pair is {pair!r:.60}", hint="select two parts that touch")
+    return _Ranges(verdict.force_ranges([pair])), ["--between", *pair]
 
 
 @dataclass(frozen=True, slots=True)
@@ -443,11 +447,15 @@ class _Ranges:
 
     def to_dict(self) -> dict[str, Any]:
         """The data of the ranges, with a sentence."""
-        sentence = (
-            "Each force lies in this range in every equilibrium; each end has a proof."
-            if self.ranges
-            else "No contact forces are known that hold the assembly, so they have no range."
-        )
+        ends = [end for one in self.ranges for end in (one.least, one.greatest)]
+        sentence = "No contact forces are known that hold the assembly, so they have no range."
+        if ends:
+            proof = (
+                "each end has a proof"
+                if all(end.proved for end in ends)
+                else "ends without a proof are marked"
+            )
+            sentence = f"Each force lies in this range in every equilibrium; {proof}."
         return {"ranges": [one.to_dict() for one in self.ranges], "sentence": sentence}
 
 
@@ -501,8 +509,7 @@ def tab_data(
 def _drawn_data(prepared: Prepared, answer: Any, center: Array, progress: Tell) -> dict[str, Any]:
     """Data of an answer for the picture: the gravity ball, the film of a plan, the placed part."""
     if isinstance(answer, Orientation):
-        verdict = check_equilibrium(prepared.assembly, prepared.contacts)
-        directions = only_directions(verdict, answer, progress)
+        directions = only_directions(prepared.assembly, prepared.contacts, answer, progress)
         return {"ball": build_directions(directions, center)}
     if isinstance(answer, Order):
         return {"film": build_film(answer, explain(answer), center)}

@@ -83,6 +83,7 @@ class Session:
         self._shapes: Any = None
         self._watch: asyncio.Task[None] | None = None
         self._autosaves = True
+        self._listed: list[str] = []  # recent files as the pages list them
         self._recent: set[Path] = set()  # recent files that were opened; each may lie anywhere
 
     # pages -----------------------------------------------------------------------------
@@ -90,6 +91,7 @@ class Session:
     def join(self, page: Send) -> None:
         """Add a page, and send it everything that the other pages show."""
         self.pages.add(page)
+        self._listed = recent_files()
         page(to_json(self.session_data()))
         sent = self._sent
         if sent.scene is not None:
@@ -135,7 +137,7 @@ class Session:
                 for one in MATERIALS
             ],
             "files": self._files(),
-            "recent": [{"name": Path(path).name, "path": path} for path in recent_files()],
+            "recent": [{"name": Path(path).name, "path": path} for path in self._listed],
             "featured": FEATURED,
             "examples": _examples(),
             "busy": self._busy or None,
@@ -322,6 +324,7 @@ class Session:
         self._stamp = fingerprint(str(self.path))
         if not self._is_upload:
             remember_file(path)
+            self._listed = recent_files()
         self.saved = self.saved_keys = None
         base = opened["keys"]
         if keys is None and path != self.path:  # a file of choices was opened

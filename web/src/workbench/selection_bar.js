@@ -58,7 +58,7 @@ export class SelectionBar {
     this.bench.note(`Click the part to join with ${report.page.parts.tails[this.joining]}; Escape ends this.`, false);
   }
 
-  /** Take a click on the second part to join; returns whether it was expected. */
+  /** Join the part that was selected first with the part that is selected now. */
   takeSecond() {
     const { report } = this.bench;
     const first = this.joining;

@@ -33,7 +33,7 @@ from kilter.mechanics.clusters import clusters, different_clusters
 from kilter.mechanics.program import Program
 
 DIRECTIONS = 8
-"""Largest number of directions with the same limit that are told apart."""
+"""From this number of directions with the same limit on, all directions are searched."""
 APART = 1e-3
 """Directions that differ by more are different cases [rad]."""
 SAME_VALUE = 1e-9
