@@ -1,4 +1,4 @@
-"""Write docs/reference/defaults.md: the defaults of the public functions, from their signatures.
+"""Write docs/contributing/defaults.md: the defaults of the public functions, from their signatures.
 
 python docs/build_defaults.py
 
@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-PAGE = Path(__file__).resolve().parent / "reference/defaults.md"
+PAGE = Path(__file__).resolve().parent / "contributing/defaults.md"
 HEAD = """# Defaults
 
 The defaults of the public functions, computed from the code by `python docs/build_defaults.py`.

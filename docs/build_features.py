@@ -1,4 +1,4 @@
-"""Write docs/features.md from the names of the tests in tests/test_features.py.
+"""Write docs/contributing/features.md from the names of the tests in tests/test_features.py.
 
 python docs/build_features.py
 """
@@ -10,13 +10,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TESTS = ROOT / "tests/test_features.py"
-PAGE = ROOT / "docs/features.md"
+PAGE = ROOT / "docs/contributing/features.md"
 MISSING = "TestMissing"
 HEAD = """# Features and missing features
 
 Each row is the name of a test in `tests/test_features.py`: a row exists because a test shows it.
 `python docs/build_features.py` writes this page.
-For other questions, [alternatives](alternatives.md) names other programs.
+For other questions, [alternatives](../explanation/alternatives.md) names other programs.
 """
 
 

@@ -25,7 +25,7 @@ VIEW = (-35.0, 28.0)
 def moved(names: tuple[str, ...]) -> Array:
     """Shifts [m] and rotation vectors [rad] of the page's table, shape (N, 6)."""
     motion = np.zeros((len(names), 6))
-    for line in (DOCS / "findings.md").read_text(encoding="utf-8").splitlines():
+    for line in (DOCS / "contributing/findings.md").read_text(encoding="utf-8").splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if cells[0] in names:
             motion[names.index(cells[0])] = [float(cell) for cell in cells[1:]]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,8 @@ LIVE = (
 )
 """Scenes with a live page; the first is that of the home page: its ball has a region with an inside
 and an outside."""
-CLAMP = Path(__file__).resolve().parents[1] / "examples/clamp.step"
-"""STEP file of the first commands, which readers of the site download."""
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+"""Files of the guides, which readers of the site download."""
 EFFORT = 1
 """Effort of each verdict with friction."""
 WORDS = {
@@ -77,7 +78,8 @@ def on_files(files: Any, *, config: Any) -> Any:
 
     for name in LIVE:
         files.append(File.generated(config, f"live/{name}.html", content=live(name)))
-    files.append(File.generated(config, CLAMP.name, content=CLAMP.read_bytes()))
+    for path in sorted(EXAMPLES.iterdir()):
+        files.append(File.generated(config, f"examples/{path.name}", content=path.read_bytes()))
 
     page = files.get_file_from_path(PAGE)
     links = [f"- [{SCENES[name].title}](live/{name}.html)\n" for name in LIVE]
@@ -89,3 +91,8 @@ def on_files(files: Any, *, config: Any) -> Any:
     files.remove(page)
     files.append(File.generated(config, PAGE, content="".join(parts)))
     return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Shorten links to examples: in a clone this folder is beside docs, on the site within it."""
+    return re.sub(r"\]\(\.\./((?:\.\./)*examples/)", r"](\1", markdown)

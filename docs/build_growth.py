@@ -1,4 +1,4 @@
-"""Write docs/growth.md from `benchmarks/growth.csv`: ``python docs/build_growth.py``.
+"""Write docs/contributing/growth.md from `benchmarks/growth.csv`: ``python docs/build_growth.py``.
 
 `python benchmarks/growth.py --output benchmarks/growth.csv` adds rows; the last row of a
 cell counts.
@@ -12,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks/growth.csv"
-PAGE = ROOT / "docs/growth.md"
+PAGE = ROOT / "docs/contributing/growth.md"
 sys.path.append(str(ROOT / "benchmarks"))
 TITLES = {
     "wall": "Running-bond walls",

@@ -21,7 +21,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
 from balance_cases import CASES, GRIP, ROLLING, Case
 
-PAGE = Path(__file__).resolve().parent / "known-answers.md"
+PAGE = Path(__file__).resolve().parent / "contributing/known-answers.md"
 BESIDE = 0.1
 """Distance from a limit at which both sides are computed [unit of the parameter]."""
 ROLLS = {"minimum": "holds", "balanced": "falls"}
@@ -31,12 +31,13 @@ HEAD = """# Known answers of second order
 To first order each of these assemblies stands, and the rolling cases stand by friction: forces of
 equilibrium exist, and no motion gains energy at once. The result of second order is known for
 each case, from a closed form or by hand. The tests compare kilter on both sides of every limit.
-`python docs/build_known_answers.py` computes this page. The [theory](theory.md) has the proofs,
-the [glossary](glossary.md) defines the words.
+`python docs/build_known_answers.py` computes this page.
+The [theory](../explanation/theory.md) has the proofs,
+the [glossary](../reference/glossary.md) defines the words.
 
 The cases are in `tests/scenes/balance_cases.py`. Their contacts are given with their
-[features](contacts.md#features). The pictures are drawn from these, and choose dimensions that a
-case leaves open, such as the thickness of a plank. If a case has a limit, the first state is
+[features](../explanation/contacts.md#features). The pictures are drawn from these,
+and choose dimensions that a case leaves open, such as the thickness of a plank. If a case has a limit, the first state is
 {beside} below it and the second state is {beside} above it. *Neutral* counts the motions that
 cost no energy to first order. *Free* counts those that provably cost no energy at all, below the
 limit. Lengths are in m.
@@ -44,8 +45,9 @@ limit. Lengths are in m.
 """
 SLIPPERY = """## Without friction
 
-The states are [minimum](glossary.md#minimum), [free](glossary.md#free) and
-[balanced](glossary.md#balanced). Spins of round parts do not count against a minimum.
+The states are [minimum](../reference/glossary.md#minimum),
+[free](../reference/glossary.md#free) and
+[balanced](../reference/glossary.md#balanced). Spins of round parts do not count against a minimum.
 
 {signs}
 {cards}
@@ -60,7 +62,7 @@ blue arrows towards the part show that it returns after a push. Two plain arrows
 part show free motion.
 """
 CARD = """
--   ![{number}: {title}](images/known/{number}.svg){{ loading=lazy }}
+-   ![{number}: {title}](../images/known/{number}.svg){{ loading=lazy }}
 
     **{number}. {heading}:** {known}. {shows}.
 """
@@ -71,7 +73,8 @@ With friction, and without slip, these assemblies roll. *Holds* means that a par
 *falls* that it rolls off. If all contacts lie at a single point of a plane, the case is also
 examined in that plane, in which rolling has a single dimension. In space, a part that rolls in a
 circle may come back shifted. If no energy bounds the sum of these shifts, the answer is *open*
-([theory](theory.md)). A state that is a minimum or free without friction also holds with friction.
+([theory](../explanation/theory.md)).
+A state that is a minimum or free without friction also holds with friction.
 
 {cards}
 | | case | known | in the plane | in space |

@@ -28,7 +28,7 @@ QUALITY = 80
 
 def pallet(name: str) -> Assembly:
     """An assembly of the lashing tutorial, by its name in the code of that page."""
-    page = FOLDER.parent / "lashing-tutorial.md"
+    page = FOLDER.parent / "guides/straps.md"
     names: dict[str, Any] = {}
     with TemporaryDirectory() as folder, contextlib.chdir(folder):
         for block in re.findall(r"```python\n(.*?)```", page.read_text("utf-8"), flags=re.S):

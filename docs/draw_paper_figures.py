@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DOCS = Path(__file__).resolve().parent
-PAGE = DOCS / "paper-figures.md"
+PAGE = DOCS / "contributing/paper-figures.md"
 ARC = np.linspace(0.0, 1.0, 33)[:, None]
 """Shares of the way along an arc between two directions [-]."""
 STABLE, ACROSS, SOFT = (ROLES[name].light for name in ("stable", "unstable", "soft"))
@@ -302,7 +302,7 @@ FIGURES: dict[str, Callable[[], tuple[Any, str]]] = {
 
 def with_statement(page: str, name: str, statement: str) -> str:
     """The page with a new statement below the picture of a figure."""
-    picture = rf"(!\[[^\]]*\]\(images/paper-figure-{name}\.\w+\)\n\n)[^\n]*\n"
+    picture = rf"(!\[[^\]]*\]\(../images/paper-figure-{name}\.\w+\)\n\n)[^\n]*\n"
     changed, count = re.subn(picture, lambda found: f"{found[1]}{statement}\n", page)
     if count != 1:
         raise ValueError(f"the page has {count} pictures of figure {name}")

@@ -1,4 +1,4 @@
-"""The house as docs/architecture.md draws it: layers, names, no circles, from the imports."""
+"""The house as docs/contributing/architecture.md draws it: layers, names, no circles, from the imports."""
 
 from __future__ import annotations
 
@@ -272,13 +272,13 @@ def test_every_room_has_its_layer():
 
 @pytest.mark.parametrize("page", ["architecture.md"])
 def test_the_page_about_the_architecture_names_every_room(page):
-    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    text = (ROOT / "docs/contributing" / page).read_text(encoding="utf-8")
     rows = re.findall(r"^\| `([a-z_]+)` \|", text, flags=re.M)
     assert ["kilter." + row for row in rows] == layers()
 
 
 def test_the_paths_that_the_page_names_are_there():
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/contributing/architecture.md").read_text(encoding="utf-8")
     paths = re.findall(r"`((?:src|web|tests|benchmarks)/[\w/.-]+)`", text)
     assert len(paths) > 10
     assert [path for path in paths if not (ROOT / path).exists()] == []

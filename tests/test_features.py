@@ -1,4 +1,4 @@
-"""Features of kilter, and missing features: each test is a row of docs/features.md."""
+"""Features of kilter, and missing features: each test is a row of docs/contributing/features.md."""
 
 from pathlib import Path
 

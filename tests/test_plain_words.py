@@ -78,10 +78,10 @@ def messages() -> list[str]:
 
 
 def prose(path: Path) -> str:
-    """The text of a document without its code."""
+    """The text of a document without its code and the targets of its links."""
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"```.*?```|<code>.*?</code>", "", text, flags=re.S)
-    return re.sub(r"`[^`]*`", "", text)
+    return re.sub(r"`[^`]*`|(?<=\])\([^)\s]*\)", "", text)
 
 
 def page_strings() -> list[str]:

@@ -578,7 +578,9 @@ def test_no_is_an_answer_of_a_plan():
     assert (order.found, order.verdict) == (False, "impossible")
 
 
-PAGE = (Path(__file__).resolve().parents[1] / "docs" / "python.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[1] / "docs" / "tutorials/python.md").read_text(
+    encoding="utf-8"
+)
 SNIPPETS = "\n".join(re.findall(r"```python\n(.*?)```", PAGE, re.S))
 
 

@@ -3,7 +3,7 @@
     pip install -e ".[peers]"
     python benchmarks/peers                            everything, into results/here.csv
     python benchmarks/peers --only walls -t kilter     selected cases or families, selected tools
-    python benchmarks/peers --page                     docs/benchmarks.md, from the results
+    python benchmarks/peers --page                     the page, from the results
 
 All answers have the same limit of CPU time; the median of three runs counts. Each wall runs in a
 separate process on a single thread with a memory limit; the tools alternate wall by wall. The

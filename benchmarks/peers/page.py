@@ -1,4 +1,4 @@
-"""Writes the page of results, `docs/benchmarks.md`, and its plots from the files of rows."""
+"""Writes the page of results (docs/contributing/benchmarks.md) and its plots from the rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools import TOOLS, Row
 __all__ = ["made", "write"]
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGE = DOCS / "benchmarks.md"
+PAGE = DOCS / "contributing/benchmarks.md"
 PLOT = "images/benchmarks-{}.svg"
 TEMPLATE = Path(__file__).with_name("page.md")
 RIGHT, WRONG, NONE = "right", "**wrong**", "no answer"
@@ -47,7 +47,7 @@ def made(folder: Path = results.FOLDER) -> dict[str, str]:
         time=ask_mujoco.SECONDS,
         moved=ask_mujoco.MOVED,
     )
-    return {"benchmarks.md": words} | files
+    return {"contributing/benchmarks.md": words} | files
 
 
 def write() -> None:
@@ -69,7 +69,7 @@ def section(name: str, about: dict[str, str], rows: Sequence[Row], plot: str) ->
             " their plane to half of the overturning angle: all stand."
             " Seconds, and MiB in brackets.",
             sizes(walls),
-            f"![Seconds by bricks, both logarithmic]({plot})",
+            f"![Seconds by bricks, both logarithmic](../{plot})",
             *compared(walls),
             "### Near the limit\n\nEach row is a case whose answer follows from a closed form.",
             counts(near),

@@ -113,7 +113,7 @@ def test_a_missing_folder_and_a_missing_extra_are_one_sentence(tmp_path, capsys)
 
 
 def dialogues() -> list[str]:
-    text = (DOCS / "agents.md").read_text(encoding="utf-8")
+    text = (DOCS / "guides/agents.md").read_text(encoding="utf-8")
     return [block for block in re.findall(r"```text\n(.*?)```", text, re.S) if block[0] == ">"]
 
 
@@ -123,7 +123,7 @@ def dialogues() -> list[str]:
 def test_the_dialogues_of_the_page_are_real(number, tmp_path, monkeypatch):
     assert len(dialogues()) == 3
     monkeypatch.chdir(tmp_path)
-    scene = (DOCS / "scene.md").read_text(encoding="utf-8")
+    scene = (DOCS / "reference/scenes.md").read_text(encoding="utf-8")
     exec(scene.split("```python\n")[1].split("```")[0], {})
     calls = ToolCalls(tmp_path)
     for call, shown in re.findall(r"^> (.*)\n([^>]*)", dialogues()[number], re.M):
@@ -139,5 +139,5 @@ def test_the_dialogues_of_the_page_are_real(number, tmp_path, monkeypatch):
 
 
 def test_the_page_lists_every_tool():
-    text = (DOCS / "agents.md").read_text(encoding="utf-8")
+    text = (DOCS / "guides/agents.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| `(\w+)` \|", text, re.M) == [tool.name for tool in TOOLS]

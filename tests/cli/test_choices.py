@@ -362,7 +362,7 @@ def test_choices_are_values():
 
 def test_the_example_of_the_format_is_accepted():
     """All keys of the documented format at once, with null for defaults."""
-    text = (ROOT / "docs" / "choices.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference/choices.md").read_text(encoding="utf-8")
     example = json.loads(re.findall(r"```json\n(.*?)```", text, re.S)[-1])
     choices = Choices.from_dict(example)
     keys = {key for key in Choices.__dataclass_fields__ if key != "folder"} | {"kilter"}

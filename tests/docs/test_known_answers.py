@@ -12,7 +12,7 @@ import pytest
 from balance_cases import CASES, ROLLING
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGE = DOCS / "known-answers.md"
+PAGE = DOCS / "contributing/known-answers.md"
 PICTURES = DOCS / "images" / "known"
 
 
@@ -42,7 +42,7 @@ def test_each_case_has_its_picture_as_its_scene_is_today(drawing):
     text = PAGE.read_text(encoding="utf-8")
     for case in cases:
         name = f"{case.number}.svg"
-        assert f"](images/known/{name})" in text
+        assert f"](../images/known/{name})" in text
         assert (PICTURES / name).read_text(encoding="utf-8") == drawing.drawn(case), name
 
 

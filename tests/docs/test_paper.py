@@ -63,7 +63,7 @@ def test_the_paper_compiles(tmp_path):
 
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGE = (DOCS / "paper-figures.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "contributing/paper-figures.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def sets(drawing: ModuleType) -> StabilityMap:
 def test_page_and_picture_have_the_numbers_of_today(drawing, name):
     """``python docs/draw_paper_figures.py`` writes them anew."""
     figure, statement = drawing.FIGURES[name]()
-    assert f"](images/paper-figure-{name}.svg)\n\n{statement}\n" in PAGE
+    assert f"](../images/paper-figure-{name}.svg)\n\n{statement}\n" in PAGE
     saved = (DOCS / "images" / f"paper-figure-{name}.svg").read_text(encoding="utf-8")
     words = r">([^<>]+)</text>"
     fresh = encode_figure(figure, ".svg").decode()
@@ -157,7 +157,7 @@ def test_each_figure_is_an_example_or_a_picture():
     shown = set(re.findall(r"`(paper-figure-[\w-]+)`", PAGE))
     assert shown <= set(SCENES)
     figures = {int(re.findall(r"\d+", name)[0]) for name in shown}
-    pictures = {int(name) for name in re.findall(r"\(images/paper-figure-(\d+)\.svg\)", PAGE)}
+    pictures = {int(name) for name in re.findall(r"\(../images/paper-figure-(\d+)\.svg\)", PAGE)}
     assert figures | pictures == set(range(1, 13))
     assert not figures & pictures
     kinds = {SCENES[name].source for name in shown}
@@ -267,14 +267,14 @@ def test_one_row_told_otherwise_changes_the_page(peers, tmp_path):
     [path, *_] = sorted(peers.results.FOLDER.glob("*.csv"))
     about, rows = peers.results.read(path)
     (tmp_path / path.name).write_bytes(path.read_bytes())
-    assert peers.page.made(tmp_path)["benchmarks.md"].count("**wrong**") > 0
+    assert peers.page.made(tmp_path)["contributing/benchmarks.md"].count("**wrong**") > 0
     told = [row for row in rows if row.family == "angles" and row.answer == row.truth]
     flipped = {"holds": "falls", "falls": "holds"}
     changed = peers.tools.Row(**{**told[0].to_dict(), "answer": flipped[told[0].answer]})
     rows[rows.index(told[0])] = changed
-    before = peers.page.made(tmp_path)["benchmarks.md"]
+    before = peers.page.made(tmp_path)["contributing/benchmarks.md"]
     peers.results.write(tmp_path / path.name, about, rows)
-    after = peers.page.made(tmp_path)["benchmarks.md"]
+    after = peers.page.made(tmp_path)["contributing/benchmarks.md"]
     assert after.count("**wrong**") == before.count("**wrong**") + 1
 
 

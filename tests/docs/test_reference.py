@@ -12,7 +12,7 @@ from answer_schemas import texts_of
 
 import kilter
 
-PAGES = sorted((Path(__file__).resolve().parents[2] / "docs" / "reference").glob("*.md"))
+PAGES = sorted((Path(__file__).resolve().parents[2] / "docs/reference/python").glob("*.md"))
 SCHEMAS = Path(kilter.__file__).parent / "files/schemas"
 NAMED = sorted(
     {
@@ -47,7 +47,7 @@ def unexplained(value: Any) -> list[str]:
 
 
 def test_the_python_page_lists_every_verb_and_every_answer():
-    page = (PAGES[0].parents[1] / "python.md").read_text(encoding="utf-8")
+    page = (PAGES[0].parents[2] / "tutorials/python.md").read_text(encoding="utf-8")
     [verbs] = re.findall(
         r"^((?:`\w+`(?:, | and ))+`\w+`) accept an assembly or a path", page, flags=re.M
     )

@@ -41,11 +41,15 @@ def test_the_site_is_built_strictly_and_works_offline(tmp_path):
     for page in live:
         assert f"live/{page.name}" in (site / "gallery.html").read_text(encoding="utf-8")
         assert "<canvas" in page.read_text(encoding="utf-8")
-    for page in ("index.html", "cad.html"):
-        assert '<a href="clamp.step" download' in (site / page).read_text(encoding="utf-8")
-    assert (site / "clamp.step").read_bytes() == (ROOT / "examples/clamp.step").read_bytes()
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r'href="?((?:\.\./)*examples/[^">]+)', text):
+            assert (page.parent / target).is_file(), f"{page.name}: {target}"
+    assert (site / "examples/clamp.step").read_bytes() == (
+        ROOT / "examples/clamp.step"
+    ).read_bytes()
     shown = (site / "gallery.html").read_text(encoding="utf-8")
     assert "gallery/paper-figure-1.png" in shown
     assert (site / "gallery" / "paper-figure-1.png").stat().st_size > 10_000
-    reference = (site / "reference" / "check.html").read_text(encoding="utf-8")
+    reference = (site / "reference" / "python" / "check.html").read_text(encoding="utf-8")
     assert "kilter.analysis.verdict.verdict.Verdict" in reference

@@ -25,7 +25,7 @@ from kilter.second_order.gaps.stationary import Stationary, stationary
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.decide import decide
 
-FINDINGS = pathlib.Path(__file__).parents[2] / "docs" / "findings.md"
+FINDINGS = pathlib.Path(__file__).parents[2] / "docs" / "contributing/findings.md"
 TURNED = ("paper-figure-1-in-space", "paper-figure-11-in-space", "paper-figure-12-in-space")
 
 

@@ -424,7 +424,9 @@ def test_shown_in_one_line():
 
 @pytest.mark.slow
 def test_the_contact_of_the_page_is_a_ball_in_a_bowl():
-    page = (Path(__file__).parents[2] / "docs" / "contacts.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "explanation/contacts.md").read_text(
+        encoding="utf-8"
+    )
     [text] = re.findall(r"```json\n(.*?)```", page, flags=re.S)
     contact = json.loads(text)
     parts = [

@@ -283,7 +283,7 @@ def test_no_other_colour_is_in_the_sources():
 
 
 def test_the_page_of_the_docs_has_the_table():
-    text = (ROOT / "docs" / "colours.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "contributing/colours.md").read_text(encoding="utf-8")
     rows = [f"| {name} | {one.says} | {one.light} | {one.dark} |" for name, one in ROLES.items()]
     assert "\n".join(rows) in text
     for colour in (GROUND, *PALETTE, *BODIES, *RAMP):

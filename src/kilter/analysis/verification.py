@@ -5,7 +5,7 @@ by number. Forces and motions of the proof are tested again (`kilter.mechanics.r
 steps that exclude every motion with friction are repeated (`kilter.friction.exclusion_file`), all
 without any solver. The level settles has no proof, since it is the result of a search: its tries
 and its search for a motion are repeated. A statement that is not recomputed is not part of the
-result; `docs/proofs.md` lists them.
+result; `docs/explanation/proofs.md` lists them.
 """
 
 from __future__ import annotations
