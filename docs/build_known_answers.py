@@ -37,7 +37,8 @@ the [glossary](../reference/glossary.md) defines the words.
 
 The cases are in `tests/scenes/balance_cases.py`. Their contacts are given with their
 [features](../explanation/contacts.md#features). The pictures are drawn from these,
-and choose dimensions that a case leaves open, such as the thickness of a plank. If a case has a limit, the first state is
+and choose dimensions that a case leaves open, such as the thickness of a plank.
+If a case has a limit, the first state is
 {beside} below it and the second state is {beside} above it. *Neutral* counts the motions that
 cost no energy to first order. *Free* counts those that provably cost no energy at all, below the
 limit. Lengths are in m.

@@ -1,4 +1,4 @@
-"""The house as docs/contributing/architecture.md draws it: layers, names, no circles, from the imports."""
+"""The house as its page draws it (docs/contributing): layers, names, no circles, from imports."""
 
 from __future__ import annotations
 
