@@ -7,7 +7,7 @@
 
 The folder is not shipped. For each task it has TASK.xml, an MJCF file that MuJoCo compiles, and
 TASK.npy with a state in each row, (time, positions, velocities) or positions alone. The docs state
-how to write both from LIBERO (docs/guides/start-states.md).
+how to write both from LIBERO (docs/explanation/benchmark-states.md).
 
 For each state, the audit measures
 

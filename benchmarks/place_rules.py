@@ -6,7 +6,7 @@ Each stack has 8 boxes of 1 to 10 kg, each put down at a random place at which t
 For 50 random places of a ninth box on other boxes, each rule accepts or
 rejects the place; `kilter.check` (level equilibrium, no friction) decides whether the stack stands
 there. A linear program that is written here from the geometry, and solved by scipy, rechecks every
-fifth place. Prints the table of docs/guides/packing.md; returns 1 if kilter or a recheck disagrees.
+fifth place. Prints the table of docs/explanation/placing.md; returns 1 if an answer disagrees.
 
 Rules: a least share of the underside is supported; the centre of mass lies over the convex hull of
 the contact; LBCP, the load-bearable convex polygon (arXiv 2507.09123). The polygon of a box on the

@@ -78,10 +78,11 @@ def messages() -> list[str]:
 
 
 def prose(path: Path) -> str:
-    """The text of a document without its code and the targets of its links."""
+    """The text of a document without code, targets of links, and questions ("what if?")."""
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"```.*?```|<code>.*?</code>", "", text, flags=re.S)
-    return re.sub(r"`[^`]*`|(?<=\])\([^)\s]*\)", "", text)
+    text = re.sub(r"`[^`]*`|(?<=\])\([^)\s]*\)", "", text)
+    return re.sub(r"[^.!?|\[\n]*\?", "", text)
 
 
 def page_strings() -> list[str]:

@@ -61,8 +61,8 @@ def test_the_reference_has_every_name():
 def test_every_command_is_a_function_and_every_function_a_command():
     functions = {name for name in HOMES if name.islower()}
     commands = {name.replace("-", "_") for name in COMMANDS}
-    # a server for other programs; the command about the state of a file
-    assert commands - {"mcp", "why"} == functions - BESIDE - {"judge"}
+    # a server for other programs; a question about a file of states; pages of the documentation
+    assert commands - {"mcp", "why", "help"} == functions - BESIDE - {"judge"}
 
 
 def test_an_unknown_name_is_an_attribute_error():

@@ -100,7 +100,7 @@ def test_values_of_a_line(line, expected):
         ("chek a.json", "there is no command 'chek'; did you mean 'check'?"),
         ("--jsn", "there is no option '--jsn'; see 'kilter --help'"),
         ("a.json", "there is no command 'a.json'; type 'kilter check a.json'"),
-        ("help plan", "there is no command 'help'; type 'kilter plan --help'"),
+        ("help plans", "there is no page 'plans'; did you mean 'plan'?"),
         ("--down plan a.json", "options follow the command: kilter plan FILE --down"),
     ],
 )

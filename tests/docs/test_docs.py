@@ -18,9 +18,11 @@ from kilter.cli.option_parser import with_values
 from kilter.scenes import scene
 from kilter.scenes.walls import wall
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from page_runner import SERVES, is_shown, run_page
+
 ROOT = Path(__file__).resolve().parents[2]
-OTHERS = ("compas", "compas_assembly", "compas_dem")
-"""Libraries that a page may be about and the tests do without."""
 SIMULATED = """<mujoco><worldbody>
   <geom type="plane" size="1 1 1"/>
   <body name="box" pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
@@ -34,18 +36,44 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick("choices.md")
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_python_of_a_page_runs(page, tmp_path, monkeypatch, capsys):
+def test_a_page_runs_and_shows_its_answers(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    names: dict[str, object] = {}  # a later block may use the names of an earlier block
-    for block in blocks(page, "python"):
-        try:
-            exec(compile(block, str(page), "exec"), names)
-        except ModuleNotFoundError as missing:
-            if str(missing.name).partition(".")[0] not in OTHERS:
-                raise
-            pytest.skip(f"{missing.name} is not here")
+    if page.name == "README.md":
+        pytest.skip("its commands run in the tests below, on the files of a clone")
+    counts = run_page(page)
+    if counts.missing:
+        pytest.skip(f"{counts.missing} is not here")
+
+
+@pytest.mark.parametrize(
+    ("shown", "right"),
+    [
+        (["a", "b"], True), (["b"], False), (["...", "b"], True), (["a", "...", "c"], True),
+        (["a", "c"], False), (["a", "b", "c", "d"], False), (["...", "c", "b"], False),
+    ],
+)  # fmt: skip
+def test_shown_lines_are_compared(shown, right):
+    assert is_shown(["a", "b", "c"], shown) is right
+
+
+def test_a_wrong_answer_of_a_page_is_found(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = tmp_path / "page.md"
+    written = '```json title="c.txt"\n1x1 (0,0,0)\n```\n'
+    page.write_text(written + "```text\n$ kilter example tower -o t.kilter.json\n```\n")
+    assert run_page(page).commands == 1
+    assert (tmp_path / "c.txt").read_text(encoding="utf-8") == "1x1 (0,0,0)\n"
+    page.write_text("```text\n$ kilter check t.kilter.json\nUnstable.\n```\n")
+    with pytest.raises(AssertionError, match="Stable"):
+        run_page(page)
+    page.write_text("```sh\nkilter check none.kilter.json\n```\n")
+    with pytest.raises(AssertionError, match=": 2"):
+        run_page(page)
+    page.write_text("```python\nassert False\n```\n")
+    with pytest.raises(AssertionError):
+        run_page(page)
 
 
 @pytest.mark.quick(1)
@@ -77,41 +105,6 @@ def named_commands(line: str) -> list[list[str]]:
         found.append(re.split(r" {3,}", line.removeprefix("$ "))[0])
     found += re.findall(r"`(kilter [^`]+)`", line) + re.findall(r"bin/(kilter [^&]+)", line)
     return [shlex.split(text)[1:] for text in found if not text.startswith("kilter.")]
-
-
-@pytest.mark.quick("gallery.md")
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_shell_of_a_page_runs_and_says_what_is_shown(page, tmp_path, monkeypatch, capsys):
-    """Commands run in the order of the page; what a page shows of an answer is its beginning."""
-    monkeypatch.chdir(tmp_path)
-    text = page.read_text(encoding="utf-8")
-    for kind, block in re.findall(r"```(sh|text)\n(.*?)```", text, flags=re.S):
-        first, *shown = block.rstrip().splitlines()
-        if kind == "text" and page.name != "README.md" and first.startswith("$ kilter "):
-            capsys.readouterr()
-            main(shlex.split(first)[2:])
-            assert capsys.readouterr().out.splitlines()[: len(shown)] == shown, first
-        for line in block.splitlines() if kind == "sh" else []:
-            if line.startswith("kilter "):
-                # every answer is one; wrong usage and faults are not
-                assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
-
-
-def test_the_first_verdict_on_a_step_file_is_that_of_the_page(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
-    shutil.copy(ROOT / "examples/clamp.step", tmp_path)
-    monkeypatch.chdir(tmp_path)
-    shown = blocks(ROOT / "docs/guides/cad.md", "console")
-    assert len(shown) == 2
-    for block in shown:
-        first, *lines = block.rstrip().splitlines()
-        main(shlex.split(first)[2:])
-        out, error = capsys.readouterr()
-        assert (out or error).splitlines()[: len(lines)] == lines, first
-
-
-SERVES = {"view", "mcp"}
-"""Commands that do not end by themselves; `tests/show` and `tests/agents` run them."""
 
 
 @pytest.fixture
@@ -209,7 +202,7 @@ def test_the_verdict_shown_in_the_readme_is_what_kilter_says(monkeypatch, capsys
     assert said[: len(shown) - 1] == shown[1:]
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.json")), ids=lambda p: p.name)
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.kilter.json")), ids=lambda p: p.name)
 def test_an_example_is_what_its_scene_makes(path):
     from kilter.files import to_dict
     from kilter.loading import load
@@ -230,7 +223,7 @@ def stated(pattern: str) -> float:
 @pytest.mark.slow
 def test_a_cell_has_at_least_the_stated_size():
     cell = kilter.check(scene("tower")).show()
-    least = stated(r"stored in the\nnotebook \(([\d.]+) MB and more\)")
+    least = stated(r"stored in the notebook \(([\d.]+) MB and more\)")
     assert least <= len(cell._repr_html_().encode()) / 1e6 < least + 0.1
 
 

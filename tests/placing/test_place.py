@@ -294,7 +294,7 @@ def test_a_page_shows_the_map_and_the_part(tmp_path, capsys):
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / "benchmarks" / "place_rules.py"
-PAGE = ROOT / "docs" / "guides/packing.md"
+PAGE = ROOT / "docs" / "explanation/placing.md"
 PICTURE = ROOT / "docs" / "images" / "place-rules.svg"
 
 

@@ -178,9 +178,7 @@ def _no_command(name: str, rest: list[str]) -> InputError:
 
     kind, near = "command", nearest_name(name, COMMANDS)
     hint = f"did you mean {near!r}?" if near else "see 'kilter --help'"
-    if name == "help":
-        hint = f"type 'kilter {rest[0]} --help'" if rest and rest[0] in COMMANDS else hint
-    elif name.startswith("-"):
+    if name.startswith("-"):
         kind = "option"
         typed = next((word for word in rest if word in COMMANDS), None)
         hint = hint if typed is None else f"options follow the command: kilter {typed} FILE {name}"

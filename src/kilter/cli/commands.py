@@ -21,6 +21,7 @@ HOMES = {
     "kilter.cli.resting": "settle scene",
     "kilter.cli.transporting": "transport",
     "kilter.cli.file_commands": "batch save doctor mcp",
+    "kilter.cli.guide": "help",
 }
 """Names of the commands in each module; only the module of a command that is called is imported."""
 

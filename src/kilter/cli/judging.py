@@ -18,7 +18,6 @@ from kilter.cli.output import (
     emit,
     keep_apart,
     tell_written,
-    write_whole,
     writes_json,
 )
 from kilter.cli.quantities import named_numbers, number_of
@@ -290,9 +289,12 @@ class ExampleOptions:
 def example(options: ExampleOptions) -> int:
     """List the built-in examples, or write one as an assembly file.
 
+    The drawings, tables and models of the guides are examples, too; they are copied.
+
     For an example of up to 400 parts the verdict of 'kilter check' is printed, too.
     """
     from kilter.analysis.check import check as decide
+    from kilter.cli.guide import shipped
     from kilter.scenes import SCENES, scene
 
     if options.name is None:
@@ -304,8 +306,14 @@ def example(options: ExampleOptions) -> int:
             from kilter.tell.text import aligned
 
             rows = [[entry.name, entry.answer, entry.title] for entry in SCENES.values()]
+            rows += [[name, "file", "a file of a guide: kilter help"] for name in shipped()]
             emit("\n".join(aligned(rows)), options.output)
         tell_written(options.output, "list of the examples", quiet=False)
+        return WRITTEN
+    if options.name in shipped() and options.size is None:
+        target = options.output or Path(options.name)
+        _write_example(target, shipped()[options.name].read_bytes(), options.force)
+        print(f"{visible(str(target))}: written")
         return WRITTEN
     from kilter.files import to_text
 
@@ -315,15 +323,28 @@ def example(options: ExampleOptions) -> int:
         sys.stdout.write(text)
         return WRITTEN
     target = options.output or Path(f"{options.name}.kilter.json")
-    if target.exists() and not options.force:
-        raise InputError("already exists", file=str(target), hint="add --force to replace it")
-    write_whole(target, text)
+    _write_example(target, text.encode(), options.force)
     print(f"{visible(str(target))}: {SCENES[options.name].title}")
     if len(assembly) <= SMALL:
         with Progress(quiet=False) as progress:
             print(decide(assembly, progress=progress).sentence)
     print(f"next: kilter check {visible(str(target))}")
     return WRITTEN
+
+
+def _write_example(target: Path, content: bytes, force: bool) -> None:
+    """Write an example, unless the file has this content already."""
+    from kilter.files import write_bytes
+
+    if target.exists() and not force:
+        if target.is_file() and target.read_bytes() == content:
+            return
+        raise InputError(
+            "already exists with another content",
+            file=str(target),
+            hint="add --force to replace it",
+        )
+    write_bytes(target, content)
 
 
 def _size(words: str) -> tuple[int, int]:

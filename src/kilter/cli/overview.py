@@ -36,6 +36,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "batch": "check many files, and write a table",
         "example": "list the built-in examples, or write one of them",
         "mcp": "serve these questions as tools for agents",
+        "help": "print a page of the documentation: kilter help cad",
         "doctor": "test this installation (kilter --version: its version)",
     },
 }
