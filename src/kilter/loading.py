@@ -17,7 +17,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
-from kilter.assembly.question import LOWEST
+from kilter.assembly.question import LOWEST, supported
 from kilter.contact import Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
@@ -326,7 +326,9 @@ def save_reading(
     reading = reading.released(bodies)
     choices = choices_about(path, output.parent, reading.options(), **keys)
     tolerance: Tolerance = tolerance_of(choices)
-    fasten_as_read(assembly, reading, tolerance=tolerance, progress=progress)
+    # joints may name the floor that answers about this file assume
+    asked = supported(assembly, "check", floor=reading.floor is not False)
+    fasten_as_read(asked, reading, tolerance=tolerance, progress=progress)
     if reading.down is not None:
         gravity = assembly.gravity.tolist()
         options = reading.options()

@@ -170,7 +170,7 @@ def test_a_command_is_ended_at_any_moment(tmp_path, command, seed):
     code, errors, seconds = ended(process, number)
     assert seconds < SOON
     if code not in ANSWERED:
-        assert code == 130
+        assert code == 130, errors
         assert re.fullmatch(LAST, errors.splitlines()[-1])
         left = {path.name for path in tmp_path.iterdir()}
         assert left == {"wall.kilter.json"}

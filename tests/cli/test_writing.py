@@ -534,10 +534,14 @@ def test_random_options_answer_the_same_when_they_are_saved(first, tmp_path, mon
             answers += 1
             assert timeless(json.loads(out)) == timeless(json.loads(given[1])), line
         plain = run(["check", file, "--effort", "0", "--json"])
-        code, bare, _ = run(["check", "saved.json", "--off", *OFF, "--effort", "0", "--json"])
-        assert code == plain[0], line
-        assert not bare or unnoted(bare) == unnoted(plain[1]), line
         choices = kilter.Choices.read("saved.json")
+        # the saved floor is switched off, and so is the one that a plain answer would assume
+        assumes = "assumed: a floor" in plain[1]
+        off = [name for name in OFF if name != "floor" or not assumes]
+        if not (assumes and choices.floor):
+            code, bare, _ = run(["check", "saved.json", "--off", *off, "--effort", "0", "--json"])
+            assert code == plain[0], line
+            assert not bare or unnoted(bare) == unnoted(plain[1]), line
         run(["save", "saved.json", "-o", "again.json", "--quiet"])
         assert kilter.Choices.read("again.json") == choices, line
         with contextlib.suppress(KilterError):

@@ -162,8 +162,8 @@ def end_interrupted() -> NoReturn:
     for number in SIGNALS:
         with suppress(ValueError):  # only the main thread may set handlers
             signal.signal(number, signal.SIG_IGN)
-    writing = sys.modules.get("kilter.files.writing")
-    for unfinished in tuple(writing.UNDER_WAY) if writing is not None else ():
+    # the module may be half imported at this moment
+    for unfinished in tuple(getattr(sys.modules.get("kilter.files.writing"), "UNDER_WAY", ())):
         with suppress(OSError):
             os.unlink(unfinished)
     with suppress(OSError, ValueError):

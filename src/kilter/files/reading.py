@@ -194,7 +194,9 @@ class Reading(ReadingOptions):
 
         A note of the assembly names the parts of saved choices that do not exist.
         """
-        names = (*content.assembly.names, *content.left_out)
+        # choices may name the floor that answers about a file without a held part assume
+        assumed = () if content.assembly.file_up is None else ("floor",)
+        names = (*content.assembly.names, *content.left_out, *assumed)
         here, missing = self.for_parts(names)
         assembly = here.applied(content)
         if missing:

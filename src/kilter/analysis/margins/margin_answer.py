@@ -207,7 +207,10 @@ class Margin(OfAssembly):
 
 
 def margin_proofs(limits: Margin, *, options: dict[str, Any]) -> list[About]:
-    """Proofs of every limit of a margin: tilts, friction, bonds, load factors, pushes, loads."""
+    """Proofs of every limit of a margin: tilts, friction, bonds, load factors, pushes, loads.
+
+    If no limit has a proof, the proof is about the undisturbed assembly, the tilt 0.
+    """
     proofs = []
     for what, (within, beyond), change, upwards, motion, more in _limits(limits):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
@@ -224,6 +227,13 @@ def margin_proofs(limits: Margin, *, options: dict[str, Any]) -> list[About]:
                     about = {"about": what, "value": at * unit, "held": held, "change": change(at)}
                     proofs.append((about | more.get("data", {}), data))
                     break
+    if not proofs:  # for example without friction, where every tilt is beyond the limit
+        undisturbed = {"down": limits.assembly.down.tolist()}
+        for held in (True, False):
+            data = _proof(limits, undisturbed, held, None, options)
+            if data is not None:
+                about = {"about": "tilt", "value": 0.0, "held": held, "change": undisturbed}
+                return [(about, data)]
     return proofs
 
 
