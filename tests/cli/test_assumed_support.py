@@ -171,10 +171,10 @@ def test_the_options_of_a_reading_without_a_floor_are_read_again():
 
 
 def test_saved_joints_may_name_the_assumed_floor(say):
-    stack(0.7)
+    stack(0.3)
     code, _, error = say("check s.obj --fasten low flor")
     assert (code, "did you mean 'floor'?" in error) == (2, True)
-    assert say("save s.obj --fasten up floor -o s.json")[0] == 0
+    assert say("save s.obj --fasten low floor -o s.json")[0] == 0
     code, out, error = say("check s.json")
     assert (code, out.split(":")[0]) == (0, "Stable")
     assert "do not exist" not in error
