@@ -202,7 +202,9 @@ def test_the_verdict_shown_in_the_readme_is_what_kilter_says(monkeypatch, capsys
     assert said[: len(shown) - 1] == shown[1:]
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.kilter.json")), ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "examples").glob("*.kilter.json")), ids=lambda p: p.name
+)
 def test_an_example_is_what_its_scene_makes(path):
     from kilter.files import to_dict
     from kilter.loading import load
