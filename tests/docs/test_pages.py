@@ -1,7 +1,9 @@
 """Pages of the site: links and anchors, words, generated pages, the man page, offline help."""
 
+import importlib
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import build_man  # noqa: E402
 import build_options  # noqa: E402
+from build_second_sources import names_in  # noqa: E402
+from claims import CLAIM, claims, sentences  # noqa: E402
 
 PAGES = sorted(DOCS.rglob("*.md"))
 SITE = [page for page in PAGES if "contributing" not in page.parts]
@@ -148,8 +152,6 @@ def test_an_example_may_be_written_twice_but_replaces_nothing_else(
 
 
 def test_the_wheel_has_the_pages_and_the_files_of_the_guides():
-    import tomllib
-
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     included = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
     for name in shipped():
@@ -174,3 +176,49 @@ def test_made_examples_are_as_their_program_makes_them(tmp_path):
         made, kept = kilter.load(path), kilter.load(ROOT / "examples" / path.name)
         assert made.names == kept.names
         assert np.array_equal(made.geometry.center, kept.geometry.center)
+
+
+CLAIMS = tomllib.loads((DOCS / "claims.toml").read_text(encoding="utf-8"))["claim"]
+
+
+def test_each_claim_of_the_site_has_its_entry_and_each_entry_its_sentence():
+    found = claims()
+    missing = [
+        (page, sentence)
+        for page, sentence in found
+        if not [c for c in CLAIMS if c["page"] == page and c["text"] in sentence]
+    ]
+    assert missing == []
+    idle = [c for c in CLAIMS if not [s for p, s in found if p == c["page"] and c["text"] in s]]
+    assert idle == []
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda c: c["text"])
+def test_a_claim_names_what_is_behind_it(claim):
+    if "by" in claim:
+        path, _, name = claim["by"].partition("::")
+        assert (ROOT / path).is_file(), path
+        if name.startswith("test_"):
+            assert name in names_in(path)
+        else:
+            assert name in (ROOT / path).read_text(encoding="utf-8")
+    for place, number in claim.get("constants", {}).items():
+        module, _, name = place.rpartition(".")
+        assert getattr(importlib.import_module(module), name) == number
+        assert {str(number), f"{number:,}"} & set(re.findall(r"[\d,]*\d", sentence_of(claim)))
+
+
+def sentence_of(claim: dict[str, str]) -> str:
+    return next(s for p, s in claims() if p == claim["page"] and claim["text"] in s)
+
+
+def test_absolute_words_and_numbers_of_time_memory_and_size_are_claims():
+    text = "It always holds. It takes 3 s. A page has 2 MB. Two parts touch.\n\n| 40 bricks | b |\n"
+    assert [bool(CLAIM.search(s)) for s in sentences(text)] == [
+        True,
+        True,
+        True,
+        False,
+        True,
+        False,
+    ]
