@@ -22,7 +22,7 @@ const TOUR = [
   ["#panel-list", "Your decisions", "Questions that change the verdict, the direction of gravity, friction and loads, and the display."],
   ["#tabs", "Your questions", "Which way up, how far it may tilt, in which order it can be built, which parts to hold. Each answer has its command line."],
 ];
-const MORE = "Each command explains itself: kilter --help, kilter check --help. The guide is in the folder docs of the project.";
+const MORE = "Each command explains itself: kilter --help, kilter check --help. The guides are printed by kilter help, without a network.";
 
 export class Help {
   constructor() {
