@@ -38,13 +38,12 @@ COMMANDS = {
     "scene": [],
     "orient": [],
     "region": [],
-    "margin": [],
+    "margin": ["--improve"],
     "transport": [],
     "plan": [],
     "hold": [],
     "settle": [],
     "place": ["--box", ".2x.2x.2", "--mass", "1"],
-    "improve": [],
 }
 """Words after the file name, by command. `verify` reads the proof that `check` wrote."""
 AGREES = 1e-9

@@ -26,7 +26,6 @@ from typing_extensions import TypedDict
 from kilter.analysis.engine_contacts.judged import Judged
 from kilter.analysis.many.batch import Batch
 from kilter.analysis.many.settle_states import SettledStates
-from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
@@ -61,7 +60,6 @@ ANSWERS: dict[str, Any] = {
     "check-plan": CheckedPlan,
     "contacts": ContactSet,
     "hold": Fixture,
-    "improve": Improvement,
     "incomplete": Incomplete,
     "margin": Margin,
     "orient": Orientation,

@@ -17,7 +17,6 @@ WRITERS = {
     "check-plan": "kilter.analysis.placing.check_plan.CheckedPlan",
     "contacts": "kilter.contact.contact_set.ContactSet",
     "hold": "kilter.analysis.planning.hold.fixture.Fixture",
-    "improve": "kilter.analysis.margins.improve.Improvement",
     "margin": "kilter.analysis.margins.margin_answer.Margin",
     "orient": "kilter.analysis.turning.orientation.Orientation",
     "place": "kilter.analysis.placing.place.Places",

@@ -13,7 +13,6 @@ import pytest
 SLOW_EXAMPLES = frozenset(
     {
         "kilter.analysis.everything.everything",
-        "kilter.analysis.margins.improve.improve",
         "kilter.analysis.margins.margin.margin",
         "kilter.analysis.margins.part_limits.find_weakest_push",
         "kilter.analysis.margins.tilt.find_tilt_margin",

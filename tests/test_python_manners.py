@@ -267,7 +267,6 @@ VERBS = {
     "contacts": "assembly",
     "draw": "subject",
     "hold": "assembly",
-    "improve": "assembly",
     "margin": "assembly",
     "orient": "assembly",
     "plan": "assembly",
@@ -306,7 +305,7 @@ def test_every_verb_has_the_keywords_of_the_table(verb):
     parameters = inspect.signature(function).parameters
     assert next(iter(parameters)) == VERBS[verb]
     assert set(parameters) >= EVERY
-    assert "tolerance" in parameters or verb == "improve"  # bricks have a grid instead
+    assert "tolerance" in parameters
     texts = documented(function)
     for name in set(parameters) & set(SHARED):
         default = OTHER_DEFAULTS.get((verb, name), SHARED[name].default)
@@ -363,7 +362,7 @@ def content_of(answer: Any) -> Any:
 
 
 @pytest.mark.quick("contacts", "states")
-@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "improve"])
+@pytest.mark.parametrize("verb", VERBS)
 def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb, tmp_path):
     if verb == "draw":
         pytest.importorskip("matplotlib")
@@ -395,10 +394,10 @@ def test_bricks_have_the_keywords_too(tmp_path):
     path.write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n2x2 (5,0,2)\n", "utf-8")
     bricks = kilter.load(path)
     changed = bricks.with_friction(0.3).with_down([0.05, 0, -1])
-    expected = content_of(kilter.improve(changed))
-    assert expected != content_of(kilter.improve(bricks))
+    expected = content_of(kilter.margin(changed, improve=True))
+    assert expected != content_of(kilter.margin(bricks, improve=True))
     for given in (bricks, path):
-        asked = kilter.improve(given, friction=0.3, down=[0.05, 0, -1])
+        asked = kilter.margin(given, improve=True, friction=0.3, down=[0.05, 0, -1])
         assert content_of(asked) == expected
 
 

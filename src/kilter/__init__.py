@@ -28,7 +28,6 @@ _NAMES = {
     "kilter.analysis.many.settle_states": "SettledStates settle_states",
     "kilter.analysis.many.check_many": "check_many",
     "kilter.analysis.many.verdicts": "Verdicts",
-    "kilter.analysis.margins.improve": "Improvement improve",
     "kilter.analysis.margins.margin": "margin",
     "kilter.analysis.margins.margin_answer": "Margin",
     "kilter.analysis.margins.parameter_limit": "ParameterLimit limit",

@@ -12,7 +12,6 @@ from kilter.analysis.engine_contacts.judged import Judged as Judged
 from kilter.analysis.many.batch import Batch as Batch
 from kilter.analysis.many.settle_states import SettledStates as SettledStates
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
-from kilter.analysis.margins.improve import Improvement as Improvement
 from kilter.analysis.margins.margin_answer import Margin as Margin
 from kilter.analysis.margins.parameter_limit import ParameterLimit as ParameterLimit
 from kilter.analysis.margins.parameter_limit import limit as limit
@@ -679,68 +678,6 @@ def hold(
     <Fixture: grip on voussoir-3, grip on voussoir-5>
     >>> hold(half, most=1)
     <Fixture: undecided, 2 or more>
-    """
-
-def improve(
-    assembly: AssemblyOrPath,
-    *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    effort: float = 1.0,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
-    assume: str | None = None,
-) -> Improvement:
-    """Find the brick whose addition or removal lowers the required strength of studs most.
-
-    Parameters
-    ----------
-    assembly : Assembly, or path
-        Assembly of bricks, as `kilter.load` reads it.
-    friction : float, optional
-        Coefficient of the contacts without a coefficient of their own [-].
-    down : array_like, shape (3,), optional
-        Direction of gravity, whose magnitude stays [-].
-    ground : str or iterable of str
-        Parts that are also held; ``*`` and ``?`` are wildcards.
-    floor : bool or float, optional
-        True adds a held table under the lowest point; a number is its height [length].
-    effort : float
-        Work limit; each further unit allows about ten times more work [-]. 0 is quick and
-        1 is usual. Work is counted in operations, not in time.
-    time_limit : float, optional
-        Time limit [s]. The clock is read between steps, so an answer at the limit may
-        differ from run to run.
-    progress : callable, optional
-        Function that is called with the name of each stage.
-    assume : {"drawn", "play", "fits", "joined"}, optional
-        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
-        within their play until they rest; pairs that look fastened are joined, too; parts
-        that touch are joined, too. The default is that of the saved choices, else play for
-        files of simulators, else drawn.
-
-    Raises
-    ------
-    TimeLimitReached
-        At the time limit.
-    InputError
-        If a part is not a brick or not in the cells of the common grid, or if the assembly has
-        loads, joints or no bonds.
-
-    See Also
-    --------
-    kilter.margin : limits of any assembly.
-    kilter.check : the verdict on the model.
-
-    Examples
-    --------
-    >>> import kilter
-    >>> from kilter.scenes.random_bricks import random_bricks
-    >>> found = improve(assembly_of_bricks(random_bricks(5, seed=3)))
-    >>> found.stands, found.best is None or found.best.share < found.share
-    (True, True)
     """
 
 def judge(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import kilter
+from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.assembly.bricks.brick_library import LDRAW, STABLE_LEGO, brick_mass
 from kilter.cli import main
 
@@ -260,7 +261,7 @@ def test_a_tile_holds_by_its_weight_only(tmp_path):
         assert len(found.bonds) == 1  # that of the tile with the baseplate
         assert kilter.check(found).verdict == verdict
     with pytest.raises(kilter.InputError, match="it is not a brick"):
-        kilter.improve(found)
+        bricks_of(found)
 
 
 def test_a_baseplate_of_the_file_is_what_is_held(tmp_path):

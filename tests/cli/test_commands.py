@@ -219,7 +219,7 @@ def test_what_only_balances_is_looked_at_next(capsys):
     assert f"next: kilter view {balanced}\n" in capsys.readouterr().out
     Path("air.txt").write_text("2x4 (0,0,0)\n2x4 (0,0,2)\n")
     assert main(["check", "air.txt"]) == 1
-    assert "next: kilter improve air.txt\n" in capsys.readouterr().out
+    assert "next: kilter margin air.txt --improve\n" in capsys.readouterr().out
 
 
 @pytest.mark.slow

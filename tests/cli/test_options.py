@@ -180,7 +180,7 @@ WRONG = {
     "check a.kilter.json --floor --require always": "require one of equilibrium, settles",
     "check-plan a.kilter.json": "this is no packing plan; give orders of BED-BPP, or a CSV",
     "verify a.kilter.json a.kilter.json": "give a file of kilter check --proof",
-    "improve a.kilter.json": "give an assembly as it was read from a file of bricks",
+    "margin a.kilter.json --floor --write b.json": "add --improve or --make-stand",
     "report a.kilter.json --floor -o x.pdf": "use a name that ends in .html",
     "view a.kilter.json --port 99999999": "give a number from 0 to 65535",
     "draw a.kilter.json --floor -o x.gif": ".svg, .png, .pdf, or in .glb for a film",

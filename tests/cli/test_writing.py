@@ -43,7 +43,7 @@ WRITERS = {
     "transport.json": ["transport", FILE, "--quiet", "--proof"],
     "orient.json": ["orient", FILE, "--quiet", "--json", "-o"],
     "contacts.json": ["contacts", FILE, "--quiet", "--json", "-o"],
-    "improve.json": ["improve", BRICKS, "--quiet", "--write"],
+    "improve.json": ["margin", BRICKS, "--quiet", "--improve", "--write"],
     "hold.json": ["hold", FILE, "--quiet", "--json", "-o"],
     "plan.json": ["plan", FILE, "--quiet", "--json", "-o"],
     "plan.csv": ["plan", FILE, "--quiet", "-o"],

@@ -84,7 +84,7 @@ def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers, tmp_path)
         kilter.place(assembly, box, at=[0, 0]),
         kilter.check_plan(PackingPlan((PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1), upper), "m")),
         kilter.verify(assembly, kilter.check(assembly).proof()),
-        kilter.improve(assembly_of_bricks(random_bricks(5, seed=3))),
+        kilter.margin(assembly_of_bricks(random_bricks(5, seed=3)), improve=True),
         kilter.batch(tmp_path / "in", tmp_path / "out"),
     ]
     for answer in (*answers.values(), *more):
@@ -141,10 +141,6 @@ def _verifying(folder: Path) -> list[str]:
     return ["verify", FIGURE, proof]
 
 
-def _improving(folder: Path) -> list[str]:
-    return ["improve", str(EXAMPLES / "brick-stair.txt")]
-
-
 def _batching(folder: Path) -> list[str]:
     (folder / "in").mkdir()
     text = to_text(kilter.example("paper-figure-8"))
@@ -199,7 +195,6 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "settle-states": _settling_states,
     "verify": _verifying,
     "why": _explaining,
-    "improve": _improving,
     "batch": _batching,
 }
 

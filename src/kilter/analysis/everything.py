@@ -15,9 +15,10 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import GAP_DEG
 from kilter.analysis.check import check
-from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import margin
+from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.margins.margin_steps import HELD_TRIED
+from kilter.analysis.margins.tried_changes import TriedChange
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.regions.well import find_rests
@@ -28,6 +29,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import DRAWN
+from kilter.assembly.bricks.brick_assembly import is_brick_model
 from kilter.assembly.changed_copies import with_fields
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
@@ -58,8 +60,6 @@ MARGIN_PARTS = HELD_TRIED
 """Largest number of free parts for which margins are computed, including pushes on each part."""
 REST_PARTS = 3
 """Largest number of free parts for which the places of rest in the region are computed."""
-CHANGE_PARTS = 40
-"""Largest number of free bricks for which a brick to add or to remove is computed."""
 RAY_FORCES = 60_000
 """Largest number of rays times contact points; with more, the forces of rays are omitted, because
 they would fill the page."""
@@ -139,8 +139,8 @@ class Everything:
     """The stability map."""
     margin: Mapping[str, Any] | None
     """The answer of `kilter margin --json`, for gravity as given."""
-    change: Improvement | None
-    """The brick to add or to remove, for models of bricks."""
+    change: TriedChange | None
+    """The change of the margins that helps most, if it is a brick to add or to remove."""
     notes: Sequence[str]
     """Sentences about omitted answers, with the reasons."""
 
@@ -152,8 +152,8 @@ class Everything:
 def everything(asked: Question, *, margins: bool = False) -> Everything:
     """Compute all answers about an assembly that a page shows.
 
-    Arguments: `time_limit`: time limit of all answers together [s]; `margins`: whether margins, and
-    changes of models of bricks, are computed without a limit of size. Raises `InputError` if no
+    Arguments: `time_limit`: time limit of all answers together [s]; `margins`: whether margins are
+    computed without a limit of size. Raises `InputError` if no
     part is held, or if the geometry is not usable.
 
     Examples
@@ -188,6 +188,7 @@ def everything(asked: Question, *, margins: bool = False) -> Everything:
         rests = in_time("the places of rest are", _with_rests, stable, assembly, contacts) or stable
         rays = in_time("the forces for turned gravity are", _ray_forces, assembly, contacts, stable)
         vertex_map = in_time("the stability map is", _map, assembly, contacts, tell, notes)
+    limits = in_time("the margins are", _margin, assembly, contacts, margins, tell, notes)
     return Everything(
         assembly=assembly,
         contacts=contacts,
@@ -198,8 +199,8 @@ def everything(asked: Question, *, margins: bool = False) -> Everything:
         none=none,
         rays=rays or (),
         map=vertex_map,
-        margin=in_time("the margins are", _margin, assembly, contacts, margins, tell, notes),
-        change=in_time("the changes are", _change, assembly, margins, tell, notes),
+        margin=None if limits is None else limits.to_dict(),
+        change=None if limits is None else _brick_change(limits),
         notes=tuple(notes),
     )
 
@@ -407,7 +408,7 @@ def _ray_forces(assembly: Assembly, contacts: ContactSet, stable: Region) -> tup
 
 def _margin(
     assembly: Assembly, contacts: ContactSet, always: bool, tell: Tell, notes: list[str]
-) -> Mapping[str, Any] | None:
+) -> Margin | None:
     """The margins for the given gravity; None for a large assembly unless `always` is set."""
     free = _free_count(assembly)
     if not free:
@@ -424,27 +425,16 @@ def _margin(
         contacts=contacts,
         pushes=True,
         loads=bool(assembly.bonds),
-        improve=free <= HELD_TRIED,
+        improve=free <= HELD_TRIED or is_brick_model(assembly),
         effort=0,
         progress=tell,
-    ).to_dict()
+    )
 
 
-def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> Improvement | None:
-    """The brick to add or to remove in a model; None for a large one unless `always` is set."""
-    if not assembly.bonds or any(part.brick is None for part in assembly.parts):
-        return None
-    if _free_count(assembly) > CHANGE_PARTS and not always:
-        notes.append(
-            f"the page looks for a brick to add or to remove in models of up to {CHANGE_PARTS} "
-            "bricks; 'kilter report --margins' and 'kilter improve' have no such limit"
-        )
-        return None
-    try:
-        return improve(assembly, progress=tell)
-    except InputError as error:
-        notes.append(f"the page names no brick to add or to remove: {error.what}")
-        return None
+def _brick_change(limits: Margin) -> TriedChange | None:
+    """The brick to add or to remove that helps most; None for other assemblies."""
+    best = limits.improvements[:1]
+    return next((change for change in best if change.what in ("add", "remove")), None)
 
 
 def _map(

@@ -15,7 +15,7 @@ HOMES = {
     "kilter.cli.judging": "check contacts example verify",
     "kilter.cli.directions": "margin orient region",
     "kilter.cli.pages": "draw report view",
-    "kilter.cli.planning": "hold improve plan",
+    "kilter.cli.planning": "hold plan",
     "kilter.cli.placing": "place check-plan",
     "kilter.cli.explaining": "why",
     "kilter.cli.resting": "settle scene",

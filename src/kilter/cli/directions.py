@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked, code_of
@@ -17,6 +18,7 @@ from kilter.values.declaration import argument, option
 from kilter.work import stop_after
 
 if TYPE_CHECKING:
+    from kilter.analysis.margins.margin_answer import Margin
     from kilter.analysis.margins.uncertainty import Ranges
 
 
@@ -169,7 +171,8 @@ class MarginOptions:
         "--improve",
         "Also list the changes that raise the tilt margin most, else the load factor, else those "
         "that lower the least friction: a part to move, to widen, to make lighter or heavier, to "
-        "hold, more friction. Each was tried.",
+        "hold, more friction. Of a model of toy bricks: a brick to add or to remove, so that its "
+        "studs need less strength. Each was tried.",
         ASKED,
     )
     make_stand: bool = option(
@@ -195,6 +198,12 @@ class MarginOptions:
         "from both sides; a higher level adds a search.",
         FORM,
         default="equilibrium",
+    )
+    write: Path | None = option(
+        "--write CHANGED.json",
+        "Also write the assembly with the best change of --improve, or with all changes of "
+        "--make-stand, as a kilter file.",
+        FORM,
     )
     mass_range: tuple[float, float] | None = option(
         "--mass-range LOW HIGH",
@@ -228,6 +237,9 @@ def margin(asked: Asked, options: MarginOptions) -> int:
     """
     from kilter.analysis.margins.margin import margin as find
 
+    if options.write is not None and not (options.improve or options.make_stand):
+        raise InputError("--write needs a changed assembly", hint="add --improve or --make-stand")
+    asked.apart(options.write)
     ranges = _ranges(options.mass_range, options.com_range, options.mu_range, options.normal_tilt)
     with Progress(asked.quiet, lines=True) as progress:
         assembly, contacts = asked.read(progress)
@@ -248,13 +260,30 @@ def margin(asked: Asked, options: MarginOptions) -> int:
         )
     data = answer.to_dict()
     typed = as_typed(options)
-    asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
+    after = asked.keep_proof(answer.proof, data) + _write_changed(answer, options.write)
+    asked.tell(data, after=after, typed=typed)
     if "interrupted" in answer.missing.values():
         return INTERRUPTED
     verdict = answer.check
     lowest = verdict.require if options.require == "equilibrium" else options.require
     reached = holds(verdict.level, lowest)
     return code_of({"verdict": verdict.verdict, "level": verdict.level, "stable": reached})
+
+
+def _write_changed(answer: Margin, path: Path | None) -> str:
+    """Write the changed assembly of an answer, and return the line about it; empty without."""
+    from kilter.files.writing import dump
+
+    if path is None:
+        return ""
+    if answer.made_stand is not None and answer.made_stand.stands:
+        changed = answer.made_stand.assembly
+    elif answer.improvements:
+        changed = answer.improvements[0].changed
+    else:
+        return "\nchanged assembly  not written: no change helps"
+    dump(changed, path)
+    return f"\nchanged assembly  written to {path}"
 
 
 def _ranges(

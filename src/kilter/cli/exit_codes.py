@@ -9,7 +9,6 @@ __all__ = [
     "FAULT",
     "HOLD",
     "HOLDS",
-    "IMPROVE",
     "INTERRUPTED",
     "INVALID",
     "LOWER",
@@ -40,8 +39,6 @@ INVALID = 1
 """Code of `verify` if the proof does not hold; `HOLDS` and `LOWER` as for `check`."""
 HOLD = {"impossible": 1, "undecided": 4}
 """Codes of `hold` if no sufficient supports were found."""
-IMPROVE = {True: 0, False: 1}
-"""Codes of `improve`: does the model stand, unchanged or with the named change?"""
 PLACE = {"none": 1, "undecided": 4}
 """Codes of `place` if the part stands nowhere or not at the given place, or it is undecided."""
 PACKING = {"falls": 1, "undecided": 4}

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.exit_codes import HOLD, HOLDS, IMPROVE, INTERRUPTED, LOWER, PLAN
+from kilter.cli.exit_codes import HOLD, HOLDS, INTERRUPTED, LOWER, PLAN
 from kilter.cli.options import FORM, Code, Forward, Require, asks
 from kilter.cli.output import Progress, tell_warnings, tell_written, write_whole
 from kilter.errors import InputError
@@ -111,44 +111,6 @@ def _candidates(word: str) -> list[str | Support]:
         return [Support.from_dict(entry) for entry in data]
     except InputError as error:
         raise error.located(file=word) from None
-
-
-# The command `improve`: a brick to add to a model or to remove from it.
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImproveOptions:
-    """Options of `improve`."""
-
-    write: Path | None = option(
-        "--write CHANGED.json", "Also write the model with the best change, as a kilter file.", FORM
-    )
-
-
-@asks(searches=True)
-def improve(asked: Asked, options: ImproveOptions) -> int:
-    """Find a brick to add or to remove so that a brick model stands, or needs weaker studs.
-
-    The tried places follow from the fall, or from the first motion beyond the strength of the
-    studs. For every change the needed strength is computed again.
-
-    Exit code: 0 it stands, as it is or with the named change; 1 no tried single change is enough.
-    """
-    from kilter.analysis.margins.improve import improve as find
-    from kilter.files.writing import dump
-
-    asked.apart(options.write)
-    with Progress(asked.quiet) as progress:
-        assembly, _ = asked.read(progress)
-        improvement = find(assembly, **asked.shared(find, None, progress))
-    after = ""
-    if options.write is not None and improvement.best is not None:
-        dump(improvement.best.assembly, options.write)
-        after = f"\nchanged model  written to {options.write}"
-    elif options.write is not None:
-        after = "\nchanged model  not written: no change lowers the strength that the model needs"
-    asked.tell(improvement.to_dict(), after=after)
-    return IMPROVE[improvement.stands]
 
 
 # Write a plan as a page, a film, a figure or a table, by the suffix of the output file.

@@ -18,7 +18,6 @@ from kilter.show.plan_scene import build_plan_scene, plan_sections
 from kilter.show.scene import build_scene
 from kilter.show.sections import (
     build_place_layer,
-    change_card,
     margin_card,
     place_card,
     sections,
@@ -61,7 +60,7 @@ def render(
         scene["places"] = build_place_layer(places)
         first = place_card(places)
     body = sections(answers, command=command, versions=_versions())
-    cards = change_card(answers) + margin_card(answers)
+    cards = margin_card(answers)
     return fill_template(title, body, as_json(scene), first=first, margins=cards)
 
 

@@ -137,12 +137,12 @@ def _change(answers: Everything, center: Array) -> dict[str, Any] | None:
 
     None without a change.
     """
-    best = None if answers.change is None else answers.change.best
+    best = answers.change
     if best is None:
         return None
     if best.what == "remove":
-        return {"part": answers.assembly.index_of(best.name)}
-    places, k = place_shapes(best.assembly), best.assembly.index_of(best.name)
+        return {"part": answers.assembly.index_of(best.parts[0])}
+    places, k = place_shapes(best.changed), best.changed.index_of(best.parts[0])
     at = (places.position[k] - center).tolist()
     return {"part": None, "shape": _shape(places.shapes[places.shape[k]]), "at": at}
 

@@ -73,7 +73,7 @@ def name_html(name: str) -> str:
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """HTML of all text sections of a report's page, below the picture."""
     parts = [_verdict(answers), _open_pairs(answers), _parts(answers), _contacts(answers)]
-    parts[2:2] = [_rests(answers), _changes(answers), _pushes(answers), _loads(answers)]
+    parts[2:2] = [_rests(answers), _pushes(answers), _loads(answers)]
     warnings = [
         *answers.given.check["warnings"],
         *(answers.region or {}).get("warnings", ()),
@@ -176,30 +176,18 @@ def margin_card(answers: Everything) -> str:
     items = "".join(f"<li>{text(change['sentence'])}</li>" for change in margin["improvements"])
     if items:
         rows.append(("what helps", f"<ul>{items}</ul>"))
+    button, best = "", answers.change
+    if best is not None:
+        button = (
+            '<p class="buttons"><button id="show-change" type="button" aria-pressed="false">'
+            f"Show the brick to {best.what}</button></p>"
+        )
+    if best is not None and best.what == "add":
+        button += '<p class="key"><span><i class="swatch added"></i> to add</span></p>'
     return (
         '<section class="card" id="margins" aria-labelledby="margins-title">'
-        f'<h2 id="margins-title">Margins, gravity as given</h2>{facts_html(rows)}</section>\n'
-    )
-
-
-def change_card(answers: Everything) -> str:
-    """HTML card with the brick to add or to remove, and a button; empty without a change."""
-    change = answers.change
-    if change is None:
-        return ""
-    added = change.best is not None and change.best.what == "add"
-    button = (
-        f'<p class="buttons"><button id="show-change" type="button" aria-pressed="false">'
-        f"Show the brick to {'add' if added else 'remove'}</button></p>"
-        if change.best is not None
-        else ""
-    )
-    key = '<p class="key"><span><i class="swatch added"></i> to add</span></p>' if added else ""
-    rows = facts_html((term, text(words)) for term, words in facts(change.to_dict()))
-    return (
-        '<section class="card" id="change" aria-labelledby="change-title">'
-        f'<h2 id="change-title">Recommended change</h2><p>{text(change.sentence)}</p>'
-        f"{rows}{button}{key}</section>\n"
+        f'<h2 id="margins-title">Margins, gravity as given</h2>{facts_html(rows)}'
+        f"{button}</section>\n"
     )
 
 
@@ -209,14 +197,6 @@ def _rests(answers: Everything) -> str:
         return ""
     table = rest_table(answers.region)
     return section(f"Places of rest ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
-
-
-def _changes(answers: Everything) -> str:
-    """HTML section with the options that were tried to change the verdict; else empty."""
-    if answers.change is None or not answers.change.tried:
-        return ""
-    [table] = tables(answers.change.to_dict())
-    return section(f"Changes tried ({len(table.items)})", _table(table), rows=len(table.items))
 
 
 def _loads(answers: Everything) -> str:

@@ -24,7 +24,7 @@ from kilter.tell.check_facts import (
 from kilter.tell.margin_facts import margin_facts
 from kilter.tell.numbers import number, plain, vector
 from kilter.tell.place_words import packing_facts, place_facts
-from kilter.tell.plan_words import hold_facts, improve_facts, order_facts
+from kilter.tell.plan_words import hold_facts, order_facts
 from kilter.tell.region_facts import orient_facts, region_facts
 from kilter.tell.scene_words import scene_facts, settle_facts
 from kilter.tell.transport_facts import transport_facts
@@ -34,7 +34,6 @@ KIND_OF_KEY = {
     "creep": "why",
     "held_steps": "plan",
     "candidates": "hold",
-    "tried": "improve",
     "kilter": "assembly",
     "rotation": "orient",
     "facets": "region",
@@ -163,7 +162,6 @@ _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
     "check-plan": packing_facts,
     "contacts": _contacts_facts,
     "hold": hold_facts,
-    "improve": improve_facts,
     "margin": margin_facts,
     "transport": transport_facts,
     "orient": orient_facts,

@@ -42,12 +42,11 @@ AFTER_CHECK = {
     "undecided": CONTACTS,
 }
 FALL = NextStep(("view",), "shows its fall after a push, and its contact forces, in the browser")
-BRICK = NextStep(("improve",), "finds a brick to add or to remove so that it stands")
+BRICK = NextStep(("margin", "--improve"), "finds a brick to add or to remove so that it stands")
 STRONGER = NextStep(
     ("margin",), "finds the bond strength that it needs, and which bonds fail first"
 )
 PLAN = NextStep(("plan",), "finds an order in which it can be put together")
-LOADS = NextStep(("margin", "--loads"), "finds the load and the push that each brick resists")
 CARRIED = NextStep(
     ("transport", "--code", "en12195"), "decides whether it stays on a truck that brakes and turns"
 )
@@ -111,8 +110,6 @@ def next_step(
     if kind == "plan":
         shown = NextStep(("plan", "-o", f"{name}.html"), "writes a page that plays the steps")
         return shown if answer["found"] else None
-    if kind == "improve":
-        return None if answer["verdict"] == "unstable" else LOADS
     if kind == "hold":
         return PLAN if answer["verdict"] == "held" and answer["straps"] is None else None
     if kind == "contacts":

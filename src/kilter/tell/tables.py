@@ -19,7 +19,7 @@ from kilter.tell.motion_rows import motion_of, motion_rows
 from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import deciding_option
 from kilter.tell.place_words import PACKING_HEAD, item_cells
-from kilter.tell.plan_words import HEAD, change_cells, improve_sentence, step_cells, support_cells
+from kilter.tell.plan_words import step_cells, support_cells
 from kilter.tell.scene_words import SCENE_HEAD, moved_cells, moved_head, object_cells, scene_order
 from kilter.tell.verify_words import verify_sentence
 from kilter.tell.why_words import WHY_HEAD, why_cells
@@ -51,7 +51,6 @@ HELD = (
     "With friction, held means that forces that hold it exist: 'kilter check --down' reports what "
     "friction guarantees."
 )
-TRIED = "Changes that were tried, the best first:"
 LEFT_OUT = "Without friction and without the contacts that are not modelled:"
 
 
@@ -95,8 +94,6 @@ def sentences(answer: Answer) -> list[str]:
         return [f"An assembly of {count(len(answer['parts']), 'part')}."]
     if kind == "verify":
         return [verify_sentence(answer)]
-    if kind == "improve":
-        return [improve_sentence(answer)]
     lines = [str(answer["sentence"])]
     if kind == "check" and answer["verdict"] == "unstable":
         moving = sum(part["moves"] for part in answer["parts"])
@@ -149,8 +146,6 @@ def tables(answer: Answer) -> list[Table]:
         return [_step_table(answer)]
     if kind == "hold" and answer["supports"]:
         return [_support_table(answer)]
-    if kind == "improve" and answer["tried"]:
-        return [Table(TRIED, HEAD, answer["tried"], change_cells)]
     if kind == "scene":
         rows = scene_order(answer["objects"])
         return [Table("objects:", SCENE_HEAD, rows, object_cells, complete=True)]

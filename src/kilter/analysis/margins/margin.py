@@ -153,7 +153,9 @@ def margin(
         seconds=verdict.seconds,
         **limits,
     )
-    improvements = steps.tried_changes(partial(_gradient, answer), verdict.contact_set)
+    improvements = steps.tried_changes(
+        partial(_gradient, answer), verdict.contact_set, answer.bond_limit
+    )
     made = None
     if kinds is not None:
         find = partial(find_standing, kinds=kinds, tilt_deg=stand_tilt_deg, work=steps.work)

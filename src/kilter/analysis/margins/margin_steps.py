@@ -21,6 +21,7 @@ from kilter.analysis.load_limit import (
     gravity_wrench,
     least_limit,
 )
+from kilter.analysis.margins.brick_changes import brick_changes
 from kilter.analysis.margins.least_friction import (
     Failing,
     LeastFriction,
@@ -46,6 +47,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
+from kilter.assembly.bricks.brick_assembly import is_brick_model
 from kilter.assembly.question import require_plain_joints
 from kilter.contact import ContactSet
 from kilter.contact.round_edges import RoundEdge, round_edges
@@ -326,7 +328,7 @@ class MarginSteps(LimitSteps):
         """Add warnings about limits that have no value, and about gains that are not computed."""
         self.warnings += _missing_words(self.missing)
         large = not (self.question.held or self.question.named) and self.program.free.any()
-        if self.question.improve and large:
+        if self.question.improve and large and not is_brick_model(self.question.assembly):
             self.warnings.append(
                 f"for more than {HELD_TRIED} free parts, the gain of holding a part is computed "
                 "only for parts that --part NAME names"
@@ -368,21 +370,31 @@ class MarginSteps(LimitSteps):
         return found
 
     def tried_changes(
-        self, gradient: Callable[[], Gradient], touching: ContactSet
+        self, gradient: Callable[[], Gradient], touching: ContactSet, bond: BondFactor | None
     ) -> tuple[TriedChange, ...]:
-        """Changes of the assembly that raise the limit of a gradient most, each tried."""
+        """Changes of the assembly that improve a limit most, each tried.
+
+        Of a brick model the needed share of the strength of studs, else the limit of a gradient.
+        """
         if not self.question.improve:
             return ()
         self.tell("changes that help")
-        find = partial(
-            tried_changes, push=self.question.push, held=self.question.held, work=self.work
-        )
+        assembly = self.question.assembly
+        find: Callable[[], tuple[TriedChange, ...]]
         try:
-            known = gradient()
+            if is_brick_model(assembly):
+                find = partial(
+                    brick_changes, assembly, self.verdict, self.program, bond, work=self.work
+                )
+            else:
+                find = partial(
+                    tried_changes, assembly, touching, gradient(),
+                    push=self.question.push, held=self.question.held, work=self.work,
+                )  # fmt: skip
+            found = self.limit("what helps", find)
         except InputError as error:
             self.warnings.append(f"no changes were tried: {error.what}")
             return ()
-        found = self.limit("what helps", find, self.question.assembly, touching, known)
         if not found and "what helps" not in self.missing:
             self.warnings.append("no single change that was tried raises the limit")
         return found or ()

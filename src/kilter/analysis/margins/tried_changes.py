@@ -33,7 +33,7 @@ from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Prism, Sphere
 from kilter.tell.numbers import number, vector
-from kilter.tell.record import OneOf, OrNull, Record, Vector, Word
+from kilter.tell.record import InPython, OneOf, OrNull, Record, Vector, Word
 from kilter.work import Work
 
 TRIED = 3
@@ -53,21 +53,23 @@ ALONG = 1e-6
 SIZE_AXES = {"x": (0,), "y": (1,), "z": (2,), "radius": (0, 1), "height": (2,), "depth": (1,)}
 """Own axes of a part along which a size grows."""
 STANDS = ("stable", "settles", "balanced", "potentially-stable")
-Kind = Literal["move", "mass", "friction", "size", "hold"]
+Kind = Literal["move", "mass", "friction", "size", "hold", "add", "remove"]
 
 
 class TriedChange(Record):
     """A change of an assembly that raises a limit, and the gain that was found."""
 
-    of: Annotated[str, OneOf(("tilt", "load factor", "friction"))]
-    """The limit that improves: the least friction becomes less, other limits become more."""
+    of: Annotated[str, OneOf(("tilt", "load factor", "friction", "strength"))]
+    """The limit that improves: the least friction, or the needed share of the strength of studs,
+    becomes less; other limits become more."""
     what: Kind
     """Kind of the change."""
     parts: tuple[str, ...]
-    """The part, or the two parts of the contact."""
+    """The part, or the two parts of the contact. An added brick has its name in the changed
+    assembly."""
     by: float | None
     """Distance of a movement or growth of a size [length unit], increase of a mass [kg] or of a
-    friction coefficient [-]; null if a part is held."""
+    friction coefficient [-]; null if a part is held, added or removed."""
     along: Vector | None
     """Unit direction of a movement, world frame; else null."""
     size: str | None
@@ -75,11 +77,13 @@ class TriedChange(Record):
     limit: OrNull
     """The limit of the changed assembly [deg] or [-]."""
     gain: OrNull
-    """Improvement of the limit [deg] or [-]."""
+    """Improvement of the limit [deg] or [-]; null if no strength of studs was enough."""
     verdict: Word
     """Verdict of the changed assembly, at the level "equilibrium"."""
     sentence: str
     """The change in words."""
+    changed: InPython[Assembly]
+    """The changed assembly."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -344,6 +348,7 @@ def _tried(
         gain=gain,
         verdict=verdict,
         sentence=_sentence(candidate, given.assembly.units, gradient, value, gain),
+        changed=changed,
     )
 
 

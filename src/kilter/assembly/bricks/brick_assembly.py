@@ -104,6 +104,11 @@ def assembly_of_bricks(
     )
 
 
+def is_brick_model(assembly: Assembly) -> bool:
+    """Whether an assembly consists of bonded toy bricks."""
+    return bool(assembly.bonds) and all(part.brick is not None for part in assembly.parts)
+
+
 def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     """Recover the bricks of an assembly that was read from a file of bricks.
 

@@ -1,4 +1,4 @@
-"""Changes that strengthen a brick model: the weakest studs, and bricks to add or to remove.
+"""Changes that strengthen a brick model: bricks to add or to remove, each tried.
 
 Let s be the least share of the strength of all studs with which the model holds. At s a mechanism
 starts. Removing a brick helps if its weight drives the mechanism; adding a brick helps if it spans
@@ -12,25 +12,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
-from kilter.analysis.check import check
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.cascade import decide
+from kilter.analysis.margins.tried_changes import LISTED, TriedChange
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import BrickModel, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.assembly.bricks.brick_library import NO_COLOR, STATED, brick_mass, cells_of
 from kilter.assembly.part import BRICK_PLATES
-from kilter.assembly.question import Question, question
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
-from kilter.tell.plan_words import improve_sentence
-from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Word
-from kilter.work import facts_of, stop_after
+from kilter.tell.numbers import number, plain
+from kilter.work import Work
 
 TRIED = 8
 """Maximum number of bricks to try for addition, and as many for removal."""
@@ -39,154 +39,78 @@ WEAKEST = 3
 near twice this number of the fastest bricks."""
 SAME_DIGITS = 9
 """Shares that agree to this number of decimals count as equal; additions then come first."""
+NEAR = 1e-3
+"""Shares within this distance of 1 are shown with more digits [-]."""
 Cell = tuple[int, int, int]
 
 
-class BrickChange(Record):
-    """A brick to add or to remove, and the share of stud strength that is then needed."""
+def brick_changes(
+    assembly: Assembly, verdict: Verdict, program: Program, factor: BondFactor | None, *, work: Work
+) -> tuple[TriedChange, ...]:
+    """Bricks whose addition or removal lowers the needed strength of studs most, the best first.
 
-    what: Literal["add", "remove"]
-    """Kind of the change."""
-    name: str
-    """Name of the brick: in the changed assembly if it is added, else in the given assembly."""
-    corner: tuple[int, int, int]
-    """Lowest cell of the brick: x, y [cells], z [plates]."""
-    layer: float
-    """Height of the corner in bricks [-]."""
-    cells: tuple[int, int]
-    """Size along x and y [cells]."""
-    share: OrNull
-    """Least share of the strength of studs that holds the changed assembly [-]. If it is below 1,
-    the changed assembly stands."""
-    assembly: InPython[Assembly]
-    """The changed assembly."""
-
-
-class Improvement(Answer):
-    """Answer of `kilter.improve`: the weakest studs of a brick model, and the best change."""
-
-    answer: ClassVar[str] = "improve"
-
-    assembly: InPython[Assembly]
-    """The given assembly."""
-    verdict: Word
-    """Verdict of `kilter.check` on the given assembly."""
-    stands: bool
-    """True if the brick model stands as given, or would stand with the best change."""
-    bricks: int
-    """Number of bricks that are not held."""
-    share: OrNull
-    """Least share of the strength of studs that the given assembly needs [-]. It is infinite if
-    no strength is enough, or if no limit was found."""
-    weakest: PairNames | None
-    """The two bricks whose studs give way first."""
-    best: BrickChange | None
-    """The change with the least share; None if no change lowers the share."""
-    tried: tuple[BrickChange, ...]
-    """All changes that were tried, the best first."""
-    warnings: tuple[str, ...]
-    """Warnings of `kilter.check`."""
-
-    @property
-    def sentence(self) -> str:
-        """Describe the weakest studs and the best change of the brick model in a sentence."""
-        return improve_sentence(self.to_dict())
-
-    def __repr__(self) -> str:
-        best = "nothing" if self.best is None else f"{self.best.what} {self.best.name}"
-        return f"Improvement({self.verdict}, needs {self.share:.6g}, {best})"
-
-
-@question(lacks="contacts tolerance require")
-def improve(
-    asked: Question,
-) -> Improvement:
-    """Find the brick whose addition or removal lowers the required strength of studs most.
-
-    Parameters
-    ----------
-    assembly : Assembly, or path
-        Assembly of bricks, as `kilter.load` reads it.
-
-    Raises
-    ------
-    TimeLimitReached
-        At the time limit.
-    InputError
-        If a part is not a brick or not in the cells of the common grid, or if the assembly has
-        loads, joints or no bonds.
-
-    See Also
-    --------
-    kilter.margin : limits of any assembly.
-    kilter.check : the verdict on the model.
-
-    Examples
-    --------
-    >>> import kilter
-    >>> from kilter.scenes.random_bricks import random_bricks
-    >>> found = improve(assembly_of_bricks(random_bricks(5, seed=3)))
-    >>> found.stands, found.best is None or found.best.share < found.share
-    (True, True)
+    Arguments: `factor`: least share of the strength; None if no strength is enough; `work`: work of
+    each decision whether the changed model stands. Raises `InputError` if a part is not in the
+    cells of the common grid, or if the model has loads or joints.
     """
-    with stop_after(asked.seconds_left):
-        return _improve(asked)
-
-
-def _improve(asked: Question) -> Improvement:
-    """The answer of `improve`, within the time of the caller."""
-    assembly, report = asked.assembly, asked.tell
     model, rules, cell = bricks_of(assembly)
-    report("weakest studs")
-    verdict = check(asked)
-    report_fact = facts_of(asked.progress)
-    if report_fact is not None:
-        report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
-    program = build_program(assembly, verdict.contact_set)
-    factor = find_bond_factor(program, verdict.contact_set)
-    share, weakest, motion, near = np.inf, None, None, list[int]()
-    if isinstance(factor, BondFactor):
+    share, motion, near = np.inf, None, list[int]()
+    if factor is not None:
         share = factor.value
-        weakest = factor.opens[0].parts if factor.opens else None
         motion = None if factor.limit.motion is None else factor.limit.motion.motion
         near = _weakest_bricks(assembly, factor)
     elif verdict.judgement.motion is not None:
         motion = verdict.judgement.motion.motion
         near = _fastest_bricks(motion)
-    tried: list[BrickChange] = []
-    trials = [] if motion is None else _trials(model, program, cell, motion, near)
-    for what, row, other in trials:
-        report(f"changes: {len(tried)} of {len(trials)}")
+    found: list[TriedChange] = []
+    for what, row, other in [] if motion is None else _trials(model, program, cell, motion, near):
         changed = assembly_of_bricks(other, rules=rules, cell=cell)
         changed = replace(changed, gravity=assembly.gravity, friction=assembly.friction)
+        needed = _needed_share(changed)
+        if not round(needed, SAME_DIGITS) < round(share, SAME_DIGITS):
+            continue
         name = (assembly if what == "remove" else changed).names[row]
-        brick = (model if what == "remove" else other).take([row])
-        x, y, z = brick.corner[0].tolist()
-        a, b, _ = brick.size[0].tolist()
-        tried.append(
-            BrickChange(
+        words = _change_words(what, (model if what == "remove" else other).take([row]), name)
+        found.append(
+            TriedChange(
+                of="strength",
                 what=what,
-                name=name,
-                corner=(x, y, z),
-                layer=z / BRICK_PLATES,
-                cells=(a, b),
-                share=_needed_share(changed),
-                assembly=changed,
+                parts=(name,),
+                by=None,
+                along=None,
+                size=None,
+                limit=needed,
+                gain=share - needed,
+                verdict="",
+                sentence=f"{words}: needed strength {_percent(share)} -> {_percent(needed)}",
+                changed=changed,
             )
         )
-    tried.sort(key=lambda change: round(change.share, SAME_DIGITS))
-    best = tried[0] if tried and tried[0].share < share else None
-    return Improvement(
-        assembly=assembly,
-        verdict=verdict.verdict,
-        stands=verdict.verdict != "unstable" or (best is not None and best.share < 1),
-        bricks=sum(not part.grounded for part in assembly.parts),
-        share=share,
-        weakest=weakest,
-        best=best,
-        tried=tuple(tried),
-        warnings=verdict.notes,
-    )
+    found.sort(key=lambda change: round(change.limit, SAME_DIGITS))
+    return tuple(replace(each, verdict=_verdict(each.changed, work)) for each in found[:LISTED])
+
+
+def _verdict(assembly: Assembly, work: Work) -> str:
+    """The verdict on a changed model, at the level "equilibrium"."""
+    return decide(
+        assembly, contacts(assembly), require="equilibrium", work=work.beside(work.allowed),
+        second_order=False, question=False,
+    ).verdict  # fmt: skip
+
+
+def _change_words(what: str, brick: BrickModel, name: str) -> str:
+    """A brick to add or to remove in words: its place in cells and in layers of bricks."""
+    (x, y, z), (a, b, _) = brick.corner[0].tolist(), brick.size[0].tolist()
+    added = f"add a brick of {a} x {b}"
+    words = added if what == "add" else f"remove {plain(name)}"
+    return f"{words} in layer {number(z / BRICK_PLATES, 4)} at cell ({x}, {y})"
+
+
+def _percent(share: float) -> str:
+    """A share of the strength in percent, with enough digits to distinguish it from 100 %."""
+    if np.isinf(share):
+        return "(none is enough)"
+    return f"{number(100 * share, 4 if abs(share - 1) > NEAR else 7)} %"
 
 
 def _needed_share(assembly: Assembly) -> float:
