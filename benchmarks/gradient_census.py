@@ -14,8 +14,10 @@ is its tilt, else its load factor along a random direction, else its least frict
 - in a random direction (masses, centres, friction, and a stretch of all parts that keeps their
   contacts), the derivatives of both sides agree with differences of the limit to both sides.
 
-All agree to 1e-6, relative to the larger of the derivative and the limit. Limits with too many
-unknowns for refined forces have differences of too few digits, and are counted as too large.
+All agree to 1e-6, relative to the larger of the derivative and the limit. Differences of limits
+need refined limits, which have twelve digits. If a limit beside is not refined, a smaller step is
+tried, and else the assembly is counted as unrefined beside; limits with too many unknowns are
+counted as large.
 
 Exit code 1 if there is a contradiction.
 """
@@ -48,9 +50,12 @@ AGREE = 1e-6
 """Largest difference of a derivative, relative to the larger of it and the limit [-]."""
 STEP = 2e-5
 """Step of the differences, relative to the sizes, masses and coefficients [-]."""
-EXACT = 1e-7
-"""Step of the rates that derivatives take from two assemblies [-]."""
-NO_ERROR = ("smooth", "one-sided", "unknown", "no limit beside", "large")
+STEPS = (STEP, STEP / 4)
+"""Steps of the differences; each is tried until the limits beside are refined [-]."""
+EXACT = 1e-4
+"""Step of the rates that derivatives take from two assemblies [-]. All data are linear in it, so
+that only rounding matters, which grows with a smaller step."""
+NO_ERROR = ("smooth", "one-sided", "unknown", "no limit beside", "unrefined beside", "large")
 """Outcomes of a comparison with differences that are no contradiction; the first two agree."""
 
 
@@ -121,13 +126,14 @@ class Case:
         self.seconds = time.process_time() - begun
 
     def limit(self, assembly) -> float:
-        """The same limit of a changed assembly, to rounding."""
-        answer = kilter.margin(assembly, push=self.push)
+        """The same limit of a changed assembly, to rounding; NaN if it is not refined."""
+        answer = kilter.margin(assembly, push=self.push, effort=0)
         if self.gradient._cases.turned is not None:  # all directions have nearly the same limit
             return least_over_directions(answer)
         gradient = answer.gradient(self.of)
-        values = [case.solved.value for case in gradient._cases.cases]
-        least = min(values)
+        if any(case.refined is None for case in gradient._cases.cases):
+            return np.nan
+        least = min(case.solved.value for case in gradient._cases.cases)
         return float(np.degrees(np.arctan(least))) if self.of == "tilt" else least
 
 
@@ -198,17 +204,20 @@ def differences(case, random) -> list[str]:
     base = min(c.solved.value for c in gradient._cases.cases)
     if case.of == "tilt":
         base = float(np.degrees(np.arctan(base)))
-    sides = []
-    for sign in (-1, 1):
-        try:
-            near, far = (case.limit(at(sign * k * STEP)) for k in (1, 2))
-        except InputError:
-            return ["no limit beside"]
-        sides.append(sign * (4 * near - far - 3 * base) / (2 * STEP))
     if np.isnan(slopes).any():
         return ["unknown"]
     if any(each.refined is None for each in gradient._cases.cases):
         return ["large"]
+    for size in STEPS:
+        try:
+            limits = {k: case.limit(at(k * size)) for k in (-2, -1, 1, 2)}
+        except InputError:
+            return ["no limit beside"]
+        sides = [k * (4 * limits[k] - limits[2 * k] - 3 * base) / (2 * size) for k in (-1, 1)]
+        if not np.isnan(sides).any():
+            break
+    else:
+        return ["unrefined beside"]
     if np.abs(slopes - sides).max() > AGREE * max(abs(gradient.value), np.abs(slopes).max()):
         return [
             f"differences {sides[0]:.9g} {sides[1]:.9g}, slopes {slopes[0]:.9g} {slopes[1]:.9g}"

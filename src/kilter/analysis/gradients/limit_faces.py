@@ -2,13 +2,17 @@
 
 In the direction of rates of the data, a limit max { L : J^T f + w + L d = 0, f in K } has the slope
 
-    max l:  J^T g + l d + dJ^T f + dw + L dd = 0    over all optimal f, and changes g of them:
-    g is free where contacts stick, below the tangent plane of the cone where they slide (mu' f_n
-    above it), and in the cone where they carry no force
+    max over optimal f of min over optimal q of  q.(dJ^T f + dw + L dd) + sum s mu' f_n
 
-By duality the inner maximum is the least over all optimal motions of the formula for a single
-motion (`kilter.analysis.gradients.limit_power`). A least friction is a minimum: there the slope is
-the least l, where the friction mu' is l itself.
+with q.d = -1 and sliding speeds s: the formula for a single motion and single forces
+(`kilter.analysis.gradients.limit_power`). The optimal forces are f0 + N a, and the optimal motions
+span few directions b, so the program has a row for each of these directions only. Its unknowns are
+a, the slope l, forces h of sliding rows beyond their cones, and changes g at rows without force:
+
+    max l:  b.(dJ^T f + dw + L dd) + l b.d + sum s_b h + v_b.g = 0   for each b
+    f in K,    h >= -mu' f_n,    g in K
+
+A least friction is a minimum: there the slope is the least l, where the friction mu' is l itself.
 
 References
 ----------
@@ -31,9 +35,14 @@ from kilter.arrays import TINY, Array, Index, cross
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.rows import CONTACT
 from kilter.solvers.problem import ConicProgram
+from kilter.solvers.solver_tolerances import CONIC
 
 SHARP = 1e-12
 """Gap of the program of a slope [-]; the error of the slope is a large multiple of it."""
+SLOPE_SOLVED = 1e-9
+"""Largest violation of optimality by the solution of such a program [-]; else no slope is known."""
+SAME_SPAN = 1e-9
+"""Directions of forces or motions with a smaller share count as rounding [-]."""
 NO_CHANGE = 1e-12
 """Changes of forces and motion below this, relative to the largest, are rounding [-]."""
 
@@ -45,36 +54,36 @@ def slope_on_face(power: LimitPower, refined: RefinedLimit, rates: Rates) -> flo
     face = _Face(power, refined, rates)
     if not face.known:
         return np.nan
-    answer = solve_conic(face.program(), tolerance=SHARP)
-    if not answer.found:
-        answer = solve_conic(face.program())
-    return float(answer.x[-1]) * face.size if answer.found else np.nan
+    for tolerance in (SHARP, CONIC):
+        answer = solve_conic(face.program(), tolerance=tolerance)
+        if answer.optimal and answer.residual <= SLOPE_SOLVED:
+            return float(answer.x[-1]) * face.size
+    return np.nan
 
 
 class _Face:
-    """The program of a slope. Unknowns: forces, their changes, and the slope."""
+    """The program of a slope. Unknowns: a, h, g and the slope."""
 
     def __init__(self, power: LimitPower, refined: RefinedLimit, rates: Rates) -> None:
         self.power, self.refined, self.solved = power, refined, refined.solved
-        self.contacting = refined.contacting
-        program = self.solved.program
+        program, contacting = self.solved.program, refined.contacting
         self.by_load = bool(self.solved.along.any())
         mu = row_friction(self.solved)
-        self.forces = ForceColumns(program, self.contacting.rows, mu)
-        others = np.setdiff1d(np.arange(len(program.part_a)), self.contacting.rows)
-        rows = np.concatenate([self.contacting.rows, others])
-        self.changes = ForceColumns(program, rows, mu)
+        self.forces = ForceColumns(program, contacting.rows, mu)
+        others = np.setdiff1d(np.arange(len(program.part_a)), contacting.rows)
+        self.changes = ForceColumns(program, others, mu)
+        self.sliding = np.flatnonzero(contacting.slides)
         self._set_load(rates)
+        self._set_optima()
 
     @property
     def known(self) -> bool:
         """Whether the program is linear: friction needs unique forces where parts slide."""
         if self.by_load:
             return True
-        sliding = self.contacting.rows[self.contacting.slides]
-        scale = max(float(np.abs(self.solved.forces).max(initial=0.0)), TINY)
-        changes = [np.abs(forces[sliding]).max(initial=0.0) for forces, _, _ in self.refined.others]
-        return max(changes, default=0.0) <= SAME_FORCE * scale
+        scale = max(float(np.abs(self.force).max(initial=0.0)), TINY)
+        changes = np.abs(self.force_span[self.sliding]).max(initial=0.0)
+        return bool(changes <= SAME_FORCE * scale)
 
     def _set_load(self, rates: Rates) -> None:
         """Set the changes of the rows and of the load, over their largest value."""
@@ -104,70 +113,76 @@ class _Face:
         self.change, self.load = change / self.size, scaled / self.size
         self.row_mu = row_mu[columns.rows] / self.size
 
-    def program(self) -> ConicProgram:
-        """The conic program: equations, half lines, cones."""
-        first, second = self.forces.levers.shape[1], self.changes.levers.shape[1]
-        count = first + second + 1
-        steady = self.forces.scaled(
-            self.solved.program.load + self.solved.value * self.solved.along
-        )
-        along = self.forces.scaled(self.solved.along)
-        top = np.zeros((len(steady), count))
-        top[:, :first] = self.forces.levers
-        low = np.zeros((len(steady), count))
-        low[:, :first], low[:, first:-1], low[:, -1] = self.change, self.changes.levers, along
-        rays, planes = self._sliding(count, first)
-        half, cones, sizes = self._cones(count, first)
-        matrix = np.concatenate([top, low, rays, planes, -half, -cones])
-        bound = np.zeros(len(matrix))
-        bound[: len(steady)] = -steady
-        bound[len(steady) : 2 * len(steady)] = -self.load
-        cost = np.zeros(count)
-        cost[-1] = -1.0 if self.by_load else 1.0
-        equal, positive = 2 * len(steady) + len(rays), len(planes) + len(half)
-        return ConicProgram(
-            csc_array((count, count)), cost, csc_array(matrix), bound, equal, positive, sizes
-        )
+    def _set_optima(self) -> None:
+        """Set the forces and the motions that are optimal: one of them, and directions."""
+        columns, normal = self.forces, self.solved.program.normal
 
-    def _sliding(self, count: int, first: int) -> tuple[Array, Array]:
-        """Sliding rows: equations of forces along rays, and changes below tangent planes."""
-        columns, rays, planes = self.forces, [], []
-        force = columns.values(
-            self.solved.forces[:, None] * self.solved.program.normal + self.solved.friction
-        )
-        for row in np.flatnonzero(self.contacting.slides).tolist():
-            tangents = columns.tangents(row)
-            size = max(float(np.linalg.norm(force[tangents])), TINY)
-            unit = force[tangents] / size
-            for column, part in zip(tangents, unit, strict=True):
-                on_ray = np.zeros(count)
-                on_ray[column], on_ray[row] = 1.0, -columns.mu[row] * part
-                rays.append(on_ray)
-            plane = np.zeros(count)
-            plane[first + self.changes.tangents(row)] = unit
-            plane[first + row] = -columns.mu[row]
+        def values(forces: Array, friction: Array) -> Array:
+            return columns.values(forces[:, None] * normal + friction)
+
+        def speeds(motion: Array) -> Array:
+            return np.asarray((motion / columns.by_length)[columns.freedoms])
+
+        solved, others = self.solved, scaled_others(self.refined)
+        self.force = values(solved.forces, solved.friction)
+        changes = [values(forces, friction) for forces, friction, _ in others]
+        self.force_span = _basis(changes, self.force)
+        motion = speeds(solved.motion)
+        aside = _basis([speeds(other) for _, _, other in others], motion)
+        self.motions = np.column_stack([motion / np.linalg.norm(motion), aside])
+
+    def program(self) -> ConicProgram:
+        """The conic program: an equation for each motion, half lines, cones."""
+        first, slides = len(self.force), len(self.sliding)
+        count = first + slides + self.changes.levers.shape[1] + 1
+        spans = self.motions.T
+        rays, beyond = self._rays(count, first)
+        equal = np.zeros((len(spans), count))
+        equal[:, :first], equal[:, first : first + slides] = spans @ self.change, spans @ rays
+        equal[:, first + slides : -1] = spans @ self.changes.levers
+        equal[:, -1] = spans @ self.forces.scaled(self.solved.along)
+        half, cones, sizes = self._cones(count, first)
+        matrix = np.concatenate([equal, -beyond, -half, -cones])
+        bound = np.zeros(len(matrix))
+        bound[: len(equal)] = -spans @ self.load
+        # f = f0 + N a
+        bound -= matrix[:, :first] @ self.force
+        matrix = np.column_stack([matrix[:, :first] @ self.force_span, matrix[:, first:]])
+        cost = np.zeros(matrix.shape[1])
+        cost[-1] = -1.0 if self.by_load else 1.0
+        none = csc_array((len(cost), len(cost)))
+        positive = len(beyond) + len(half)
+        return ConicProgram(none, cost, csc_array(matrix), bound, len(equal), positive, sizes)
+
+    def _rays(self, count: int, first: int) -> tuple[Array, Array]:
+        """Sliding rows: wrenches that measure their speeds, and forces beyond their cones."""
+        columns = self.forces
+        rays, beyond = np.zeros((len(columns.levers), len(self.sliding))), []
+        for k, row in enumerate(self.sliding.tolist()):
+            tangents, mu = columns.tangents(row), columns.mu[row]
+            unit = self.force[tangents] / max(float(np.linalg.norm(self.force[tangents])), TINY)
+            along = mu * columns.levers[:, row] - columns.levers[:, tangents] @ unit
+            rays[:, k] = along / (1 + mu**2)
+            plane = np.eye(1, count, first + k)[0]
             if self.by_load:
-                plane[row] = -self.row_mu[row]
+                plane[row] = self.row_mu[row]
             else:
-                plane[-1] = -force[row]
-            planes.append(plane)
-        return np.array(rays).reshape(-1, count), np.array(planes).reshape(-1, count)
+                plane[-1] = self.force[row]
+            beyond.append(plane)
+        return rays, np.array(beyond).reshape(-1, count)
 
     def _cones(self, count: int, first: int) -> tuple[Array, Array, Index]:
         """Forces, and changes at rows without force: half lines, cones, and sizes of the cones."""
         half, cones, sizes = [], [], []
-        carrying = len(self.contacting.rows)
-        without = range(carrying, len(self.changes.rows))
-        groups = [(self.forces, 0, range(carrying)), (self.changes, first, without)]
-        for columns, offset, rows in groups:
+        slides = self.refined.contacting.slides
+        groups = [(self.forces, 0, slides)]
+        none = np.zeros(len(self.changes.rows), dtype=bool)
+        groups.append((self.changes, first + len(self.sliding), none))
+        for columns, offset, rays in groups:
             two_sided = columns.program.two_sided[columns.rows]
-            for row in rows:
-                slides = offset == 0 and self.contacting.slides[row]
-                if two_sided[row]:
-                    continue
-                head = np.zeros(count)
-                head[offset + row] = 1.0
-                if slides or not columns.rough[row]:
+            for row in np.flatnonzero(~two_sided).tolist():
+                head = np.eye(1, count, offset + row)[0]
+                if rays[row] or not columns.rough[row]:
                     half.append(head)
                     continue
                 tangents = offset + columns.tangents(row)
@@ -179,6 +194,15 @@ class _Face:
             np.array(cones).reshape(-1, count),
             np.array(sizes, dtype=np.int64),
         )
+
+
+def _basis(vectors: list[Array], given: Array) -> Array:
+    """Orthonormal basis of the span of vectors as large as a given one, shape (n, m)."""
+    if not vectors:
+        return np.zeros((len(given), 0))
+    left, sizes, _ = np.linalg.svd(np.column_stack(vectors), full_matrices=False)
+    basis: Array = left[:, sizes > SAME_SPAN * float(np.linalg.norm(given))]
+    return basis
 
 
 def scaled_others(refined: RefinedLimit) -> list[tuple[Array, Array, Array]]:
