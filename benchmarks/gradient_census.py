@@ -139,7 +139,8 @@ class Case:
 
 def least_over_directions(answer) -> float:
     """The tilt of an assembly that slides in every direction [deg], by a search over directions."""
-    turned = solved_limits._Turned(answer, 10.0)
+    tilt = answer.tilt
+    turned = solved_limits.LeastDirection(answer, tilt.shared, tilt.toward, 10.0, 1.0).at_angle
 
     def value(angle):
         return turned(angle).solved.value

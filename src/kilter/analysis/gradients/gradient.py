@@ -54,7 +54,7 @@ class Slope:
 
 @dataclass(frozen=True, eq=False)
 class Gradient:
-    """Derivatives of a limit of `kilter.margin` by the data of the assembly.
+    """Derivatives of a limit of `kilter.margin` or `kilter.transport` by the data of the assembly.
 
     The last axis of each array has the derivatives toward smaller and toward larger values. They
     differ where edges of two faces coincide, or several limits are equal. All derivatives hold as
@@ -65,11 +65,12 @@ class Gradient:
     """
 
     of: str
-    """The limit: "tilt", "friction", "load factor", "least load factor", "push" or "load"."""
+    """The limit: "tilt", "friction", "load factor", "least load factor", "push" or "load", or the
+    name of a limit of `kilter.transport`."""
     value: float
     """The limit [`unit`]."""
     unit: str
-    """"deg", "-" or "N"."""
+    """"deg", "-", "N" or "g"."""
     parts: tuple[str, ...]
     """Names of the parts, in the order of the arrays."""
     pairs: tuple[tuple[str, str], ...]

@@ -27,6 +27,8 @@ STEPS = 8
 """Largest number of steps of Newton's method; they end where only rounding is left."""
 LARGEST = 1500
 """Largest number of unknowns for which the equations are solved."""
+LEFT_OUT = 8
+"""Largest number of rows that are left out because they open."""
 NULL = 1e-9
 """Diagonal entries of a triangular factor below this share of the largest count as 0 [-]."""
 
@@ -86,11 +88,36 @@ def is_large(solved: SolvedLimit) -> bool:
 
 
 def refine_limit(solved: SolvedLimit) -> RefinedLimit | None:
-    """Forces and motion to rounding; None if the equations are too many or have no solution."""
+    """Forces and motion to rounding; None if the equations are too many or have no solution.
+
+    A solver gives small forces also to rows that open by a hair, such as the fourth corner of a
+    face that slides and turns. Then the equations contradict each other, and the row that opens
+    most, over its force, is left out.
+    """
     contacting = contacting_rows(solved)
-    equations = _Equations(solved, contacting)
-    if equations.count > LARGEST:
+    for _ in range(LEFT_OUT + 1):
+        equations = _Equations(solved, contacting)
+        if equations.count > LARGEST:
+            return None
+        x, residual, matrix = _newton(equations)
+        if np.abs(residual).max() <= LIMIT_REFINED:
+            break
+        opening = equations.opening(x, residual)
+        if not opening.max(initial=0.0) > 0.0:
+            return None
+        kept = np.arange(len(opening)) != opening.argmax()
+        contacting = Contacting(contacting.rows[kept], contacting.slides[kept])
+    else:
         return None
+    refined = equations.solved(x)
+    if not _is_optimal(refined, contacting, x[equations.ends[1] : equations.ends[2]]):
+        return None
+    others = tuple(equations.directions(direction) for direction in _null_space(matrix).T)
+    return RefinedLimit(refined, contacting, others)
+
+
+def _newton(equations: _Equations) -> tuple[Array, Array, Array]:
+    """Solve the equations; return unknowns, residual and matrix where only rounding is left."""
     x = equations.start()
     residual, matrix = equations.at(x)
     for _ in range(STEPS):
@@ -100,13 +127,7 @@ def refine_limit(solved: SolvedLimit) -> RefinedLimit | None:
         if accepted and not np.abs(following).max() < np.abs(residual).max() / 2:
             break  # only rounding is left
         x, residual, matrix = moved, following, slopes
-    if not np.abs(residual).max() <= LIMIT_REFINED:
-        return None
-    refined = equations.solved(x)
-    if not _is_optimal(refined, contacting, x[equations.ends[1] : equations.ends[2]]):
-        return None
-    others = tuple(equations.directions(direction) for direction in _null_space(matrix).T)
-    return RefinedLimit(refined, contacting, others)
+    return x, residual, matrix
 
 
 def _is_optimal(solved: SolvedLimit, contacting: Contacting, speeds: Array) -> bool:
@@ -309,6 +330,12 @@ class _Equations:
         if not self.by_load:
             matrix[middle + k, -1] = -forces[row]
             matrix[first + row, -1] = -speed
+
+    def opening(self, x: Array, residual: Array) -> Array:
+        """Velocity at which each row opens beside its condition, over its force, shape (A,)."""
+        first, rows = self.base.shape[0], self.columns.rows
+        ratio = residual[first : first + len(rows)] / np.maximum(np.abs(x[: len(rows)]), TINY)
+        return np.where(self.columns.program.two_sided[rows], 0.0, ratio)
 
     def solved(self, x: Array) -> SolvedLimit:
         """The limit with the forces and motion of the unknowns."""

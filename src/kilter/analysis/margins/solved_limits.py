@@ -21,7 +21,7 @@ from kilter.analysis.gradients.limit_case import (
     refined_case,
 )
 from kilter.analysis.gradients.limit_power import SolvedLimit
-from kilter.analysis.load_limit import Limit, gravity_wrench
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, gravity_wrench
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.part_limits import PartLoad, Push
 from kilter.analysis.margins.tilt import TiltMargin, held_limit
@@ -36,12 +36,14 @@ DIRECTIONS = 8
 """From this number of directions with the same limit on, all directions are searched."""
 APART = 1e-3
 """Directions that differ by more are different cases [rad]."""
+SAME_WAY = 1e-6
+"""Refined directions that differ by less are the same case [-]."""
 SAME_VALUE = 1e-9
 """Limits whose relative difference is below this are equal; refined limits have twelve digits."""
 
 
-class KnownLimits(Protocol):
-    """The limits of an answer of `kilter.margin`."""
+class KnownAssembly(Protocol):
+    """An assembly with its contacts."""
 
     @property
     def assembly(self) -> Assembly:
@@ -52,12 +54,16 @@ class KnownLimits(Protocol):
         """The modelled contacts, with friction."""
 
     @property
-    def tilt(self) -> TiltMargin | None:
-        """The least tilt."""
-
-    @property
     def edges(self) -> tuple[RoundEdge, ...]:
         """Round edges over which parts tip."""
+
+
+class KnownLimits(KnownAssembly, Protocol):
+    """The limits of an answer of `kilter.margin`."""
+
+    @property
+    def tilt(self) -> TiltMargin | None:
+        """The least tilt."""
 
     @property
     def friction_limit(self) -> LeastFriction | None:
@@ -89,11 +95,7 @@ def limit_cases(margin: KnownLimits, of: str, part: str | None) -> LimitCases:
         raise InputError(
             f"there is no limit {of!r}", hint=f"name {some_names(get_args(LimitWord))}"
         )
-    if margin.program.has_limits or margin.program.clamp.any():
-        raise InputError(
-            "derivatives are not computed for bonds, straps, springs and friction of joints",
-            hint="leave them out",
-        )
+    require_plain(margin)
     found = {
         "tilt": _tilt,
         "friction": _friction,
@@ -110,106 +112,145 @@ def limit_cases(margin: KnownLimits, of: str, part: str | None) -> LimitCases:
     return found
 
 
+def require_plain(known: KnownAssembly) -> None:
+    """Reject an assembly with bonds, straps or springs, whose limits have no derivatives."""
+    if known.program.has_limits or known.program.clamp.any():
+        raise InputError(
+            "derivatives are not computed for bonds, straps, springs and friction of joints",
+            hint="leave them out",
+        )
+
+
 def _tilt(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
     """The directions of tilt with the least limit."""
     tilt = margin.tilt
     if tilt is None or not 0 <= tilt.angle < np.pi / 2 or not tilt.toward.any():
         return None
-    slope = float(np.tan(tilt.angle))
-    chosen = _least_tilts(margin, tilt, slope)
-    turned = None
-    if len(chosen) >= DIRECTIONS:
-        turned = _Turned(margin, slope)
-        angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
-        found = [turned(float(angle)) for angle in angles]
-    else:
-        found = [_tilt_case(margin, direction, slope) for direction in chosen]
-    cases = _least(tuple(case for case in found if case is not None), bool(turned))
-    if not cases:
-        return None
-    copied = _has_copies(margin.program, cases[0].solved)
-    return LimitCases(of, float(np.degrees(tilt.angle)), "deg", 1.0, cases, copied, turned)
-
-
-def _least(cases: tuple[LimitCase, ...], even: bool) -> tuple[LimitCase, ...]:
-    """The cases with the least limit to rounding; all cases at even angles."""
-    settled = [case.solved.value for case in cases if case.refined is not None]
-    if even or not settled:
-        return cases
-    least = min(settled)
-    return tuple(case for case in cases if case.solved.value <= least + SAME_VALUE * abs(least))
-
-
-def _least_tilts(margin: KnownLimits, tilt: TiltMargin, slope: float) -> list[Array]:
-    """Horizontal unit directions in which motions bound the tilt by the least.
-
-    The motions are those of the search for the least tilt, and of limits across from it.
-    """
-    program = tilt.shared.program
-    down = program.down
-    motions = list(tilt.shared.mechanisms)
-    aside = cross(down, tilt.toward)
-    for direction in (-tilt.toward, aside, -aside) if not program.planar else (-tilt.toward,):
-        limit = held_limit(
-            gravity_wrench(program, direction),
-            shared=tilt.shared,
-            most=STEEPEST,
-            edges=margin.edges,
-        )
-        if isinstance(limit, Limit) and limit.motion is not None:
-            motions.append(limit.motion.motion)
-    chosen = [tilt.toward]
-    for motion in motions:
-        moment = (program.mass * program.free) @ motion[:, :3]
-        aside = moment - (moment @ down) * down
-        size = float(np.linalg.norm(aside))
-        if size == 0 or -float(down @ moment) / size > slope * (1 + SAME_LIMIT) + SAME_LIMIT:
-            continue
-        if all(np.linalg.norm(aside / size - other) > APART for other in chosen):
-            chosen.append(aside / size)
-    return chosen
+    unit = float(np.degrees(np.cos(tilt.angle) ** 2))
+    search = LeastDirection(margin, tilt.shared, tilt.toward, float(np.tan(tilt.angle)), unit)
+    return search.cases(of, float(np.degrees(tilt.angle)), "deg")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Turned:
-    """Limits of tilts at given angles across gravity."""
+class LeastDirection:
+    """The least limit of a horizontal body force over all directions: a tilt, or an acceleration.
 
-    margin: KnownLimits
+    Arguments: `toward` (3,): direction of the least limit; `slope`: the limit, as a share of the
+    weights; `unit`: derivative of the reported number by it.
+    """
+
+    known: KnownAssembly
+    shared: SharedCones
+    toward: Array
     slope: float
+    unit: float
 
-    def __call__(self, angle: float) -> LimitCase | None:
-        u, v = across(self.margin.program.down)
-        direction = np.cos(angle) * u + np.sin(angle) * v
-        return _tilt_case(self.margin, direction, self.slope, turns=False)
+    def cases(self, of: str, value: float, unit: str) -> LimitCases | None:
+        """The directions with the least limit, each a case."""
+        chosen = self.directions()
+        turned = None
+        if len(chosen) >= DIRECTIONS:
+            turned = self.at_angle
+            angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+            found = [turned(float(angle)) for angle in angles]
+        else:
+            found = [self.case(direction) for direction in chosen]
+        cases = _least(tuple(case for case in found if case is not None), bool(turned))
+        if not cases:
+            return None
+        copied = _has_copies(self.known.program, cases[0].solved)
+        return LimitCases(of, value, unit, 1.0, cases, copied, turned)
+
+    def at_angle(self, angle: float) -> LimitCase | None:
+        """The limit at an angle across gravity [rad]."""
+        u, v = across(self.shared.program.down)
+        return self.case(np.cos(angle) * u + np.sin(angle) * v, turns=False)
+
+    def directions(self) -> list[Array]:
+        """Horizontal unit directions in which motions bound the limit by the least.
+
+        The motions are those of the search for it, and of limits across from it.
+        """
+        program = self.shared.program
+        motions = list(self.shared.mechanisms)
+        aside = cross(program.down, self.toward)
+        across_from = (-self.toward, aside, -aside) if not program.planar else (-self.toward,)
+        for direction in across_from:
+            limit = self.limit(direction)
+            if isinstance(limit, Limit) and limit.motion is not None:
+                motions.append(limit.motion.motion)
+        chosen = [self.toward]
+        for motion in motions:
+            way, size = self.way(motion)
+            power = float((program.load * motion).sum()) / program.g
+            if size == 0 or -power / size > self.slope * (1 + SAME_LIMIT) + SAME_LIMIT:
+                continue
+            if all(np.linalg.norm(way - other) > APART for other in chosen):
+                chosen.append(way)
+        return chosen
+
+    def way(self, motion: Array) -> tuple[Array, float]:
+        """Horizontal direction in which the masses move, unit vector, and the moment of it."""
+        program = self.shared.program
+        moment = (program.mass * program.free) @ motion[:, :3]
+        aside = moment - (moment @ program.down) * program.down
+        size = float(np.linalg.norm(aside))
+        return np.asarray(aside / max(size, TINY)), size
+
+    def limit(self, direction: Array) -> Limit | NoLimit:
+        """The limit of a body force along a direction."""
+        wrench = gravity_wrench(self.shared.program, direction)
+        return held_limit(wrench, shared=self.shared, most=STEEPEST, edges=self.known.edges)
+
+    def case(self, direction: Array, *, turns: bool = True) -> LimitCase | None:
+        """The limit toward a direction, or the least beside it; None if it is not least."""
+        limit = self.limit(direction)
+        if not isinstance(limit, Limit) or limit.motion is None:
+            return None
+        solved = body_force_limit(self.known, limit, direction, unit=self.unit)
+
+        def sought(solved: SolvedLimit) -> Array:
+            return self.way(solved.motion)[0]
+
+        def aimed(solved: SolvedLimit, aside: Array) -> SolvedLimit:
+            along = gravity_wrench(solved.program, aside)
+            return replace(solved, along=along, along_mass=solved.program.g * aside)
+
+        case = least_direction(solved, direction, sought, aimed) if turns else refined_case(solved)
+        return case if case.solved.value <= self.slope * (1 + SAME_LIMIT) + SAME_LIMIT else None
 
 
-def _tilt_case(
-    margin: KnownLimits, direction: Array, slope: float, *, turns: bool = True
-) -> LimitCase | None:
-    """The limit of a tilt toward a direction, or the least beside it; None if it is not least."""
-    tilt = margin.tilt
-    assert tilt is not None
-    program, down = tilt.shared.program, tilt.shared.program.down
-    wrench = gravity_wrench(program, direction)
-    limit = held_limit(wrench, shared=tilt.shared, most=STEEPEST, edges=margin.edges)
-    if not isinstance(limit, Limit) or limit.motion is None:
-        return None
-    unit = float(np.degrees(np.cos(tilt.angle) ** 2))
+def body_force_limit(
+    known: KnownAssembly, limit: Limit, direction: Array, *, unit: float = 1.0
+) -> SolvedLimit:
+    """The solved limit of a body force along a direction, as a share of the weights."""
     solved = _solved(limit, gravity_wrench(limit.program, direction), unit=unit)
-    solved = replace(solved, along_mass=program.g * direction)
-    weights = program.mass * program.free
+    along_mass = limit.program.g * direction
+    return replace(solved, along_mass=along_mass, fixed=_fixed_loads(known, 1.0))
 
-    def sought(solved: SolvedLimit) -> Array:
-        moment = weights @ solved.motion[:, :3]
-        aside = moment - (moment @ down) * down
-        return np.asarray(aside / max(float(np.linalg.norm(aside)), TINY))
 
-    def aimed(solved: SolvedLimit, aside: Array) -> SolvedLimit:
-        along = gravity_wrench(solved.program, aside)
-        return replace(solved, along=along, along_mass=program.g * aside)
+def _least(cases: tuple[LimitCase, ...], even: bool) -> tuple[LimitCase, ...]:
+    """The cases with the least limit to rounding, one for each direction; all at even angles.
 
-    case = least_direction(solved, direction, sought, aimed) if turns else refined_case(solved)
-    return case if case.solved.value <= slope * (1 + SAME_LIMIT) + SAME_LIMIT else None
+    Of several cases with the same direction, that counts in which most rows carry force.
+    """
+    settled = [case for case in cases if case.refined is not None]
+    if even or not settled:
+        return cases
+    most = min(case.solved.value for case in settled)
+    most += SAME_VALUE * abs(most)
+    distinct: list[LimitCase] = []
+    for case in sorted(cases, key=_carrying_rows, reverse=True):
+        ways = [np.abs(case.solved.along - other.solved.along).max() for other in distinct]
+        same = (SAME_WAY if case.refined else APART) * float(np.abs(case.solved.along).max())
+        if case.solved.value <= most and min(ways, default=np.inf) > same:
+            distinct.append(case)
+    return tuple(distinct)
+
+
+def _carrying_rows(case: LimitCase) -> int:
+    """Number of rows that carry force in a refined limit; else 0."""
+    return 0 if case.refined is None else len(case.refined.contacting.rows)
 
 
 def _friction(margin: KnownLimits, of: str, part: str | None) -> LimitCases | None:
@@ -247,9 +288,7 @@ def _load_factor(margin: KnownLimits, of: str, part: str | None) -> LimitCases |
         share = sign * limit.value
         solved = replace(solved, fixed=_fixed_loads(margin, share), load_share=share)
     else:
-        solved = _solved(limit, sign * gravity_wrench(program, margin.push))
-        along = sign * program.g * margin.push
-        solved = replace(solved, along_mass=along, fixed=_fixed_loads(margin, 1.0))
+        solved = body_force_limit(margin, limit, sign * margin.push)
     copied = _has_copies(margin.program, solved)
     return LimitCases(of, sign * limit.value, "-", sign, (refined_case(solved),), copied)
 
@@ -308,7 +347,7 @@ def _solved(limit: Limit, along: Array, *, unit: float = 1.0) -> SolvedLimit:
     )
 
 
-def _fixed_loads(margin: KnownLimits, factor: float) -> Array:
+def _fixed_loads(margin: KnownAssembly, factor: float) -> Array:
     """Forces of given loads at points that do not move with the parts, shape (N, 3) [N]."""
     forces = np.zeros((len(margin.program.names), 3))
     for load in margin.assembly.loads:

@@ -9,8 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import AROUND_LIMIT
+from kilter.analysis.gradients.gradient import Gradient, gradient_of
 from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.margin_answer import changed_proof
+from kilter.analysis.transport.carried_gradient import carried_cases
 from kilter.analysis.transport.carried_set import Slice
 from kilter.analysis.transport.carrier import (
     CarrierMotion,
@@ -392,6 +394,37 @@ class Transport(OfAssembly):
             limits += [limit for limit in (path, rest) if limit is not None]
         first = min(limits, key=lambda limit: limit.value, default=None)
         return None if first is None else first.motion
+
+    def gradient(self, name: str = "least") -> Gradient:
+        """Derivatives of the largest acceleration along a direction, in units of g.
+
+        Parameters
+        ----------
+        name : str
+            Name of an entry of `limits`: "+x", "-x", "+y", "-y", "+z", "-z", or "least".
+
+        Raises
+        ------
+        InputError
+            If there is no finite limit of this name, the answer is that of a range of friction, or
+            the assembly has bonds, straps or springs.
+
+        Examples
+        --------
+        >>> import kilter
+        >>> box = kilter.Part("box", kilter.Box(1, 1, 2), [0, 0, 1])
+        >>> table = kilter.Part("table", kilter.Box(9, 9, 1), [0, 0, -0.5], grounded=True)
+        >>> assembly = kilter.Assembly([table, box], friction=0.9)
+        >>> gradient = kilter.transport(assembly, polar=False).gradient("+x")
+        >>> [round(float(slope), 6) for slope in gradient.center[1, 2]]  # g per metre
+        [-0.5, -0.5]
+        """
+        if self.mu_range is not None:
+            raise InputError(
+                "derivatives are not computed for a range of friction", hint="leave mu_range out"
+            )
+        cases = carried_cases(self, self.limits, name)
+        return gradient_of(self.assembly, self.contacts, cases)
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
         """Linear constraints ``A @ y <= b`` on the motion of the carrier, for a planner of paths.
