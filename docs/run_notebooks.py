@@ -1,11 +1,11 @@
 """Run the notebooks of the folder examples, and keep their outputs.
 
-python docs/run_notebooks.py            run all notebooks and write their outputs
-python docs/run_notebooks.py architect  run one
-python docs/run_notebooks.py --compare  write nothing; exit 1 if a printed text has changed
+python docs/run_notebooks.py               run all notebooks and write their outputs
+python docs/run_notebooks.py mujoco_scene  run one
+python docs/run_notebooks.py --compare     write nothing; exit 1 if a printed text has changed
 
-Needs the extras `notebook`, `figures` and `step`. Numbers of execution and timing are removed, so
-that a notebook changes only if an output changes.
+Needs the extras `notebook`, `figures`, `step`, `compas` and `mujoco`. Numbers of execution and
+timing are removed, so that a notebook changes only if an output changes.
 """
 
 from __future__ import annotations
