@@ -15,7 +15,7 @@ SHARED = 8
 """Number of commands from which an option is listed once, for all of them."""
 HEAD = """# Options
 
-`kilter COMMAND --help` prints all options of a command with their texts. The first table has the
+`kilter check --help` prints all options of a command with their texts. The first table has the
 options of most commands, the second the names of the others. Values of lengths are in the unit of
 the file. Every question is also a function of [Python](python/index.md), with these names as
 keywords.
