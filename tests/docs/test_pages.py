@@ -222,3 +222,13 @@ def test_absolute_words_and_numbers_of_time_memory_and_size_are_claims():
         True,
         False,
     ]
+
+
+def test_a_figure_has_the_verdict_of_its_assumption(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    monkeypatch.chdir(tmp_path)
+    assert main(["example", "stand.FCStd"]) == 0
+    for words, verdict in ((["--assume", "joined"], "stable"), ([], "unstable")):
+        assert main(["draw", "stand.FCStd", *words, "-o", "a.svg"]) == 0
+        printed = capsys.readouterr()
+        assert f"a.svg: verdict {verdict}" in printed.out + printed.err

@@ -166,9 +166,9 @@ def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     require_assembly(subject, "draw")
     left = asked.seconds_left
     asked = asked.within(None if left is None else max(left - DRAWING, left / 2))
-    asked = asked.but(assembly=subject)
+    asked = asked.but(assembly=subject, verb="check")  # so that the assumption of the file counts
     if what == "region":
-        return region(asked)
+        return region(asked.but(verb=""))
     if what != "assembly":
         raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
     return check(asked)
