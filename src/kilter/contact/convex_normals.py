@@ -7,13 +7,13 @@ method. The separation along each direction is exact, so that a wrong direction 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.contact.convex_distance import edge_separations, face_separations, nearest_points
-from kilter.contact.convex_pieces import Cores, Placed
+from kilter.contact.convex_pieces import Cores, Placed, padded_rows
 from kilter.contact.convex_tolerances import EXACT, NEAR, OPPOSED
 
 FACE_ANGLE = 0.06
@@ -252,13 +252,13 @@ def _face_directions(
 
 def exact_separation(scene: Placed, pair: tuple[Index, Index], n: Array) -> Array:
     """Separation of the exact cores along unit directions n, shape (K, m, 3); shape (K, m)."""
-    a, b = (scene.cores(piece) for piece in pair)
-    return -_support(scene, pair[0], a, n) - _support(scene, pair[1], b, -n)
+    return -_support(scene, pair[0], n) - _support(scene, pair[1], -n)
 
 
-def _support(scene: Placed, piece: Index, core: Cores, n: Array) -> Array:
+def _support(scene: Placed, piece: Index, n: Array) -> Array:
     """Height of the support plane of each core along directions n, shape (K, m, 3)."""
-    flat: Array = (n @ core.vertex.transpose(0, 2, 1)).max(axis=2)
+    vertex = scene.vertex[padded_rows(scene.pieces.vertex_start, piece)[0]]
+    flat: Array = (n @ vertex.transpose(0, 2, 1)).max(axis=2)
     disc = scene.pieces.disc[piece]
     round_ = np.flatnonzero(disc > 0)
     if not len(round_):
@@ -284,6 +284,12 @@ class _Features:
     """Unit normal of the plane of a rim, else 0, shape (K, m, 3)."""
     radius: Array
     """Radius of a rim, else 0, shape (K, m)."""
+    new: Mask
+    """False for a repetition of an earlier feature, shape (K, m)."""
+
+    def at(self, row: Index, k: Index) -> _Features:
+        """Feature k of each row."""
+        return _Features(*(getattr(self, each.name)[row, k] for each in fields(self)))
 
 
 def _features(scene: Placed, piece: Index, n: Array) -> _Features:
@@ -315,7 +321,9 @@ def _features(scene: Placed, piece: Index, n: Array) -> _Features:
     along[round_] = axis[round_] = _unit(half)[:, None]
     along[round_, 1:3] = axis[round_, 0] = axis[round_, 3] = 0.0
     radius[round_, 1:3] = scene.pieces.disc[piece[round_], None]
-    return _Features(point, along, axis, radius)
+    new = np.concatenate([np.ones((len(piece), 1), dtype=bool), beside], axis=1)
+    new[round_] = [True, True, True, False]
+    return _Features(point, along, axis, radius, new)
 
 
 def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals) -> Array:
@@ -325,14 +333,11 @@ def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals
     the nearest points of the features: near the axis of a rim, or near touch, only one is sure.
     """
     i, j = (x.ravel() for x in np.indices((4, 4)))
-    count, several = len(found.normal), len(i)
-    a, b = (
-        _Features(x.point[:, k].reshape(-1, 3), x.along[:, k].reshape(-1, 3),
-                  x.axis[:, k].reshape(-1, 3), x.radius[:, k].ravel())
-        for x, k in ((_features(scene, pair[0], found.normal), i),
-                     (_features(scene, pair[1], -found.normal), j))
-    )  # fmt: skip
-    start = np.repeat(found.normal, several, axis=0)
+    tries = np.repeat(found.normal[:, None], 2 * len(i), axis=1)
+    sides = _features(scene, pair[0], found.normal), _features(scene, pair[1], -found.normal)
+    row, place = np.nonzero(sides[0].new[:, i] & sides[1].new[:, j])
+    a, b = (x.at(row, k[place]) for x, k in zip(sides, (i, j), strict=True))
+    start = found.normal[row]
     both = cross(a.along, b.along)
     two = np.linalg.norm(both, axis=1) > OPPOSED
     one = np.where((np.abs(a.along).max(axis=1) > 0)[:, None], a.along, b.along)
@@ -342,11 +347,10 @@ def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals
     moving = np.flatnonzero(~two)
     rims = [(x.axis[moving], x.radius[moving]) for x in (a, b)]
     n[moving] = _stationary(n[moving], (b.point - a.point)[moving], one[moving], rims)
-    points = (np.repeat(x, several, axis=0) for x in (found.on_a, found.on_b))
-    step = _between_curves(a, b, *points)
+    step = _between_curves(a, b, found.on_a[row], found.on_b[row])
     step *= np.sign(np.einsum("ki,ki->k", step, start))[:, None]
-    tries = [n.reshape(count, several, 3), _unit(step).reshape(count, several, 3)]
-    return np.concatenate(tries, axis=1)
+    tries[row, place], tries[row, len(i) + place] = n, _unit(step)
+    return tries
 
 
 def _between_curves(a: _Features, b: _Features, on_a: Array, on_b: Array) -> Array:
@@ -355,38 +359,46 @@ def _between_curves(a: _Features, b: _Features, on_a: Array, on_b: Array) -> Arr
     Arguments: `a`, `b`: one feature for each row; `on_a`, `on_b` (K, 3): points near the start.
     """
     frames = [across(_unit(x.axis)) for x in (a, b)]
-    value = []
+    value: list[Array] = []
     for x, (u, v), on in zip((a, b), frames, (on_a, on_b), strict=True):
         off = on - x.point
         y = [np.einsum("ki,ki->k", off, e) for e in (u, v, x.along)]
         value.append(np.where(x.radius > 0, np.arctan2(y[1], y[0]), y[2]))
-    w = on_b - on_a
+    w, left = on_b - on_a, np.arange(len(on_a))
+    size = np.linalg.norm(b.point - a.point, axis=1) + a.radius + b.radius
     for _ in range(STEPS):
         points, slopes, bends = [], [], []
-        for x, (u, v), t in zip((a, b), frames, value, strict=True):
-            c, s = (x.radius * f(t) for f in (np.cos, np.sin))
+        for x, frame, t in zip((a, b), frames, value, strict=True):
+            u, v, t, radius, along = (y[left] for y in (*frame, t, x.radius, x.along))
+            c, s = (radius * f(t) for f in (np.cos, np.sin))
             out, turn = c[:, None] * u + s[:, None] * v, c[:, None] * v - s[:, None] * u
-            round_ = (x.radius > 0)[:, None]
-            points.append(x.point + np.where(round_, out, t[:, None] * x.along))
-            slopes.append(np.where(round_, turn, x.along))
+            round_ = (radius > 0)[:, None]
+            points.append(x.point[left] + np.where(round_, out, t[:, None] * along))
+            slopes.append(np.where(round_, turn, along))
             bends.append(np.where(round_, -out, 0.0))
-        w = points[1] - points[0]
+        w[left] = apart = points[1] - points[0]
 
         def dot(x: Array, y: Array) -> Array:
             result: Array = np.einsum("ki,ki->k", x, y)
             return result
 
-        g, h = -dot(w, slopes[0]), dot(w, slopes[1])
-        p = dot(slopes[0], slopes[0]) - dot(w, bends[0])
-        q = dot(slopes[1], slopes[1]) + dot(w, bends[1])
+        g, h = -dot(apart, slopes[0]), dot(apart, slopes[1])
+        p = dot(slopes[0], slopes[0]) - dot(apart, bends[0])
+        q = dot(slopes[1], slopes[1]) + dot(apart, bends[1])
         m = -dot(slopes[0], slopes[1])
         still = [np.abs(slope).max(axis=1) == 0 for slope in slopes]
         p, q = np.where(still[0], 1.0, p), np.where(still[1], 1.0, q)
         det = p * q - m * m
         safe = np.where(det != 0, det, 1.0)
-        change = (m * h - q * g) / safe, (m * g - p * h) / safe
-        for k, (x, step) in enumerate(zip((a, b), change, strict=True)):
-            value[k] = value[k] + np.where(x.radius > 0, np.clip(step, -LONGEST, LONGEST), step)
+        far = np.zeros(len(left))
+        for k, change in enumerate(((m * h - q * g) / safe, (m * g - p * h) / safe)):
+            radius = (a, b)[k].radius[left]
+            step = np.where(radius > 0, np.clip(change, -LONGEST, LONGEST), change)
+            value[k][left] += step
+            far = np.maximum(far, np.abs(step) * np.where(radius > 0, radius, 1.0))
+        left = left[far >= EXACT * size[left]]
+        if not len(left):
+            break
     return w
 
 
@@ -402,14 +414,15 @@ def _stationary(n: Array, w: Array, along: Array, rims: list[tuple[Array, Array]
     Arguments: `n` (K, 3): start; `w` (K, 3); `along` (K, 3): unit vector or 0; `rims`: normal u
     (K, 3) and radius r (K,) of each rim.
     """
-    bound = np.abs(along).max(axis=1) > 0
+    n, bound, left = n.copy(), np.abs(along).max(axis=1) > 0, np.arange(len(n))
     for _ in range(STEPS):
-        x, y = across(n)
-        x = np.where(bound[:, None], cross(n, along), x)
+        m, fixed = n[left], bound[left]
+        x, y = across(m)
+        x = np.where(fixed[:, None], cross(m, along[left]), x)
         basis = np.stack([x, y], axis=1)
-        gradient, h = w.copy(), np.zeros((len(n), 2, 2))
-        for u, r in rims:
-            flat = n - np.einsum("ki,ki->k", n, u)[:, None] * u
+        gradient, h = w[left], np.zeros((len(m), 2, 2))
+        for u, r in ((axis[left], radius[left]) for axis, radius in rims):
+            flat = m - np.einsum("ki,ki->k", m, u)[:, None] * u
             length = np.linalg.norm(flat, axis=1)
             safe = np.where(length > 0, length, 1.0)
             out = flat / safe[:, None]
@@ -417,12 +430,12 @@ def _stationary(n: Array, w: Array, along: Array, rims: list[tuple[Array, Array]
             p = basis - np.einsum("kai,ki->ka", basis, u)[..., None] * u[:, None]
             q = np.einsum("kai,ki->ka", basis, out)
             h -= (r / safe)[:, None, None] * (p @ p.transpose(0, 2, 1) - q[:, :, None] * q[:, None])
-        value = np.einsum("ki,ki->k", gradient, n)
+        value = np.einsum("ki,ki->k", gradient, m)
         h[:, [0, 1], [0, 1]] -= value[:, None]
         g = np.einsum("kai,ki->ka", basis, gradient)
-        g[bound, 1] = 0.0
-        h[bound, 0, 1] = h[bound, 1, 0] = 0.0
-        h[bound, 1, 1] = -1.0
+        g[fixed, 1] = 0.0
+        h[fixed, 0, 1] = h[fixed, 1, 0] = 0.0
+        h[fixed, 1, 1] = -1.0
         det = h[:, 0, 0] * h[:, 1, 1] - h[:, 0, 1] * h[:, 1, 0]
         peak = (h[:, 0, 0] < 0) & (det > 0)
         safe = np.where(peak, det, 1.0)
@@ -431,7 +444,8 @@ def _stationary(n: Array, w: Array, along: Array, rims: list[tuple[Array, Array]
         t = np.where(peak, (h[:, 1, 0] * g[:, 0] - h[:, 0, 0] * g[:, 1]) / safe, g[:, 1])
         far = np.hypot(s, t)
         limit = np.minimum(1.0, LONGEST / np.where(far > 0, far, 1.0))
-        n = _unit(n + ((s * limit)[:, None] * x + (t * limit)[:, None] * y))
-        if far.max(initial=0.0) < EXACT:
+        n[left] = _unit(m + ((s * limit)[:, None] * x + (t * limit)[:, None] * y))
+        left = left[far >= EXACT]
+        if not len(left):
             break
     return n

@@ -177,10 +177,7 @@ def closed_points(
     owners, outward, turns = [], [], np.full(len(points), BETWEEN_FACES)
     for part in parts.T:
         point, member = ragged(start, part)
-        away = surface_gaps(geometry, member[:, None], points[point])
-        nearest = np.full(len(points), np.inf)
-        np.minimum.at(nearest, point, away)
-        apart += nearest
+        apart += _nearest_gaps(geometry, point, member, points, gap)
         row, rays, turn = _normals_at(geometry, facets, member, points[point], gap)
         owners.append(point[row])
         outward.append(rays)
@@ -193,6 +190,27 @@ def closed_points(
     number = np.cumsum(sound) - 1
     sound[rows] = _in_cones(number[both[kept]], rays[kept], normals[rows], turns[rows])
     return apart, sound
+
+
+def _nearest_gaps(
+    geometry: Geometry, row: Index, member: Index, points: Array, gap: float
+) -> Array:
+    """Distance of each point from the nearest of its members [length unit], shape (n,).
+
+    Members whose boxes are farther than `gap` from a point count only if no other one is so near.
+
+    Arguments: `row`, `member` (m,): rows of `points` (n, 3), and a part of the geometry for each.
+    """
+    first = geometry.vertex_start[:-1]
+    room = (gap + geometry.slack)[:, None]
+    low = np.minimum.reduceat(geometry.vertices, first) - room
+    high = np.maximum.reduceat(geometry.vertices, first) + room
+    nearest = np.full(len(points), np.inf)
+    beside = ((points[row] >= low[member]) & (points[row] <= high[member])).all(axis=1)
+    for chosen in (beside, ~beside):
+        k = np.flatnonzero(chosen & (nearest[row] > gap))
+        np.minimum.at(nearest, row[k], surface_gaps(geometry, member[k, None], points[row[k]]))
+    return nearest
 
 
 def _member_geometry(
