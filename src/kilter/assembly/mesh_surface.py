@@ -16,6 +16,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -260,6 +261,8 @@ def _group_sum(values: Array, start: Index) -> Array:
 
 DEFAULT_DENSITY = 1000.0
 """Density of a part without density and mass [kg/m^3]."""
+RECENT_SOLIDS = 256
+"""Largest number of solids whose centroid is kept; copies and changed poses share it."""
 
 
 def part_moments(
@@ -283,7 +286,13 @@ def part_moments(
         sizes = box_sizes(parts, chosen)
         volume[chosen] = sizes.prod(axis=1)
         second[chosen[:, None], range(3), range(3)] = volume[chosen][:, None] * sizes**2 / 12
-    chosen = np.flatnonzero(~boxes)
+    solid = np.zeros(count, dtype=bool)
+    for k, part in enumerate(parts):
+        if isinstance(part.shape, Solid):
+            solid[k], area_center[k] = True, _area_center(part.shape)
+            volume[k], center[k] = part.shape.volume, part.shape.centroid
+            second[k] = part.shape.second_moment
+    chosen = np.flatnonzero(~boxes & ~solid)
     if len(chosen):
         _, rows = ragged(triangle_start, chosen)
         start = starts(np.diff(triangle_start)[chosen])
@@ -297,14 +306,19 @@ def part_moments(
         elif isinstance(shape, Sphere):
             volume[k] = 4 / 3 * np.pi * shape.radius**3
             moments = [shape.radius**2 / 5] * 3
-        elif isinstance(shape, Solid):
-            volume[k], center[k], second[k] = shape.volume, shape.centroid, shape.second_moment
-            continue
         else:
             continue
         center[k], area_center[k] = 0.0, 0.0
         second[k] = volume[k] * np.diag(moments)
     return volume, center, second, area_center
+
+
+@lru_cache(maxsize=RECENT_SOLIDS)
+def _area_center(shape: Solid) -> Array:
+    """Centroid of the triangles of a solid, weighted by area, in its frame, shape (3,)."""
+    start = np.array([0, len(shape.triangles)])
+    center: Array = polyhedron_moments(shape.vertices, shape.triangles, start)[3][0]
+    return center
 
 
 def part_masses(

@@ -17,6 +17,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -168,6 +169,8 @@ class PartSurfaces:
     """Whether the surfaces are given, and not recognised in a mesh."""
     sagitta: float = 0.0
     """Largest distance of a triangle from the free form [length unit]."""
+    off: Array | None = None
+    """Largest distance of a triangle from each surface [length unit]; None: not yet measured."""
 
 
 def surfaces_of(
@@ -185,12 +188,26 @@ def surfaces_of(
         label = np.zeros(len(triangles), dtype=np.int64)
         return PartSurfaces((Surface("sphere", np.zeros(3), radius=shape.radius),), label, True)
     if isinstance(shape, Solid):
-        return _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
+        return _surfaces_of_solid(shape)
     if isinstance(shape, Mesh) and _may_be_curved(vertices, triangles):
         if shape.members:
             return _recognise_in_compound(shape, vertices, triangles, accuracy)
         return _recognise_curved(vertices, triangles, accuracy)
     return None
+
+
+@lru_cache(maxsize=RECENT_MESHES)
+def _surfaces_of_solid(shape: Solid) -> PartSurfaces | None:
+    """Curved surfaces of a solid without repetitions, measured once for all copies and poses."""
+    given = _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
+    if given is None:
+        return None
+    names, kept = _merge_equal(given)
+    label = np.where(given.triangle_surface >= 0, names[given.triangle_surface], -1)
+    merged = replace(given, surfaces=tuple(kept), triangle_surface=label)
+    pose, start = (np.eye(3)[None], np.zeros((1, 3))), np.array([0, len(shape.triangles)])
+    alone, _ = join_surfaces({0: merged}, *pose, shape.vertices, shape.triangles, start)
+    return replace(merged, off=alone.sagitta[: len(kept)])
 
 
 def _recognise_in_compound(
@@ -298,12 +315,18 @@ def join_surfaces(
     label = np.full(len(triangles), -1)
     rows: list[tuple[int, Surface | None, bool, float]] = []
     for part in sorted(by_part):
-        local_surfaces = by_part[part]
-        names, kept = _merge_equal(local_surfaces)
-        local = local_surfaces.triangle_surface
+        own = by_part[part]
+        names, kept = _merge_equal(own)
+        local = own.triangle_surface
         span = slice(triangle_start[part], triangle_start[part + 1])
         label[span] = np.where(local >= 0, names[local] + len(rows), -1)
-        rows += [(part, surface, local_surfaces.exact, local_surfaces.sagitta) for surface in kept]
+        free = bool((local == len(own.surfaces)).any())
+        off = np.full(len(kept), -1.0) if own.off is None else own.off
+        distinct: list[Surface | None] = [*kept, None] if free else [*kept]
+        rows += [
+            (part, surface, own.exact, own.sagitta if surface is None else float(far))
+            for surface, far in zip(distinct, [*off, 0.0], strict=False)
+        ]
     owner = np.array([row[0] for row in rows], dtype=np.int64)
     given = [surface or Surface("sphere", np.zeros(3)) for _, surface, _, _ in rows]
     kind = np.array(
@@ -325,27 +348,29 @@ def join_surfaces(
         tube=np.array([s.tube for s in given]),
         half_angle=np.array([s.half_angle for s in given]),
         hollow=np.array([s.hollow for s in given], dtype=bool),
-        sagitta=np.where(kind == FREE, np.array([row[3] for row in rows]), 0.0),
+        sagitta=np.maximum([row[3] for row in rows], 0.0),
         doubt=np.zeros(count),
         triangle_start=np.searchsorted(label[order], np.arange(count + 1)),
         triangle=order,
     )
-    exact = np.array([row[2] for row in rows], dtype=bool)
-    _measure(surfaces, vertices, triangles, label, exact)
+    exact, measured = np.array([(row[2], row[3] >= 0) for row in rows], dtype=bool).reshape(-1, 2).T
+    _measure(surfaces, vertices, triangles, label, measured)
+    surfaces.doubt[~exact] = surfaces.sagitta[~exact]
     read_only(surfaces)
     return surfaces, label
 
 
-def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | None]]:
-    """Merge surfaces of a part that are pieces of the same surface.
+def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface]]:
+    """Merge surfaces of a part that are pieces of the same surface, unless they are measured.
 
-    Returns `names` (number of surfaces + 1,): new number of each surface, and of the free form;
-    `kept`: the distinct surfaces; None is the free form, if a triangle has it.
+    Returns `names` (number of surfaces + 1,): new number of each surface, and of the free form,
+    which comes after them; `kept`: the distinct surfaces.
     """
     surfaces = local_surfaces.surfaces
+    if local_surfaces.off is not None:
+        return np.arange(len(surfaces) + 1), list(surfaces)
     kept: list[int] = []
     names = np.zeros(len(surfaces) + 1, dtype=np.int64)
-    free = bool((local_surfaces.triangle_surface == len(surfaces)).any())
     kind = np.array([2 * KINDS.index(s.kind) + s.hollow for s in surfaces])
     point = np.array([s.point for s in surfaces]).reshape(-1, 3)
     sizes = np.array([[s.radius, s.tube, s.half_angle] for s in surfaces]).reshape(-1, 3)
@@ -362,8 +387,7 @@ def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | No
         if not alike:
             kept.append(k)
     names[-1] = len(kept)
-    distinct: list[Surface | None] = [surfaces[k] for k in kept]
-    return names, [*distinct, None] if free else distinct
+    return names, [surfaces[k] for k in kept]
 
 
 def _is_same(first: Surface, second: Surface) -> bool:
@@ -373,24 +397,23 @@ def _is_same(first: Surface, second: Surface) -> bool:
 
 
 def _measure(
-    surfaces: Surfaces, vertices: Array, triangles: Index, label: Index, exact: Mask
+    surfaces: Surfaces, vertices: Array, triangles: Index, label: Index, measured: Mask
 ) -> None:
-    """Compute, in place, the distance of triangles from surfaces, and errors of surfaces.
-
-    These are the sagitta and the doubt of each surface.
+    """Compute, in place, the sagittas of surfaces: the distance of their triangles from them.
 
     The distance is measured at corners, at middles of sides, and at centroids of triangles.
+
+    Arguments: `measured` (S,): surfaces whose sagitta is known.
     """
-    if not len(surfaces):
-        return
     owner = label[surfaces.triangle]
-    p = vertices[triangles[surfaces.triangle]]
+    chosen = ~measured[owner]
+    if not chosen.any():
+        return
+    owner, p = owner[chosen], vertices[triangles[surfaces.triangle[chosen]]]
     sites = [p[:, 0], p[:, 1], p[:, 2], p.mean(axis=1)]
     sites += [(p[:, k] + p[:, k - 1]) / 2 for k in range(3)]
     off = np.max([np.abs(surfaces.distance(owner, site)) for site in sites], axis=0)
-    off[~np.isfinite(off)] = 0.0  # the sagitta of free forms is given
     np.maximum.at(surfaces.sagitta, owner, off)
-    surfaces.doubt[~exact] = surfaces.sagitta[~exact]
 
 
 # Find points on the edge curves between two faces, starting from their chords.
