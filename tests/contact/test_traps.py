@@ -17,7 +17,7 @@ from kilter.assembly import Assembly, Part
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box, Mesh, Prism, surface
+from kilter.shape.primitives import BOX_CORNERS, Box, Mesh, Prism, surface
 from sampled import sampled
 
 Array = NDArray[np.float64]
@@ -523,3 +523,20 @@ def test_contact_set_is_consistent(seed, name):
         points = contacts.points[contacts.patch_start[k] : contacts.patch_start[k + 1]]
         height = (points - points.mean(axis=0)) @ contacts.patch_normal[k]
         assert np.ptp(height) <= np.ptp(contacts.patch_gap[k]) + 1e-3 * contacts.gap
+
+
+@pytest.mark.parametrize(("lifted", "overlaps"), [(0.0, False), (-3.87e-7, True)])
+def test_bricks_that_only_the_cross_product_of_two_edges_separates(lifted, overlaps):
+    """No face separates them; the gap of 1.937e-7 along the edges' normal is by the closed form."""
+    low = Pose([0.300254361, -1.86558497e-4, 0.03], [0.999998385, 0, 0, -1.79719825e-3])
+    place = [0.399968348, 3.67350484e-4, 0.0900987233 + lifted]
+    high = Pose(place, [0.999999176, -9.92430210e-4, -8.08368271e-7, 8.14612508e-4])
+    size = [0.2, 0.1, 0.06]
+    assembly = Assembly([Part("low", Box(size), low), Part("high", Box(size), high)])
+    corners = [pose.apply(BOX_CORNERS * size) for pose in (low, high)]
+    normal = np.cross(low.matrix[:, 0], high.matrix[:, 1])
+    normal /= np.linalg.norm(normal)
+    gap = (corners[1] @ normal).min() - (corners[0] @ normal).max()
+    assert gap == pytest.approx(1.937e-7 + lifted, abs=1e-9)
+    found = kilter.contact.detect.contacts(assembly, tolerance=Tolerance(gap=2.3e-9))
+    assert [overlap.ends for overlap in found.overlaps] == [(0, 1)] * overlaps

@@ -26,8 +26,9 @@ from kilter.analysis.settled_pose.rest_proof import closed_gap, closed_points
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.contact.common.contact_search import begin_search
 from kilter.contact.common.gaps import Tolerance
+from kilter.files.robots.one_body import one_body
 from kilter.scenes.pieces import block, cells, floor, tube, turn
-from kilter.shape.primitives import hull_surface, surface
+from kilter.shape.primitives import BOX_CORNERS, hull_surface, surface
 
 
 def sinks_as_known(scene: KnownRest) -> None:
@@ -346,6 +347,29 @@ def test_all_points_of_faces_that_are_parallel_to_rounding_have_a_normal_that_fi
     assert len(points) >= 4
     assert (apart <= gap).all()
     assert sound.all()
+
+
+def test_closed_points_of_a_compound_have_the_distance_of_its_nearest_member():
+    """Members that lie near are compared first: the distances are those from all members."""
+    rng = np.random.default_rng(5)
+    turns = Rotation.random(12, random_state=5).as_quat(scalar_first=True)
+    placed = [
+        (Box(rng.uniform(0.05, 0.2, 3)), Pose(rng.uniform(-0.5, 0.5, 3), turn)) for turn in turns
+    ]
+    cloud = Part("cloud", *one_body(placed, "cloud", []))
+    assembly = Assembly([cloud, Part("ball", Sphere(2.0), [0, 0, 5])])
+    points = rng.uniform(-0.6, 0.6, (60, 3))
+    points[:20] = [pose.apply(BOX_CORNERS[[k % 8]] * box.size)[0] for k in range(20)
+                   for box, pose in placed[k % 12 : k % 12 + 1]]  # fmt: skip
+    local = [np.abs((points - pose.position) @ pose.matrix) - box.size / 2 for box, pose in placed]
+    signed = [
+        np.linalg.norm(np.maximum(x, 0), axis=1) + np.minimum(x.max(axis=1), 0) for x in local
+    ]
+    known = np.abs(signed).min(axis=0) + np.abs(np.linalg.norm(points - [0, 0, 5], axis=1) - 2.0)
+    pairs = np.tile([0, 1], (len(points), 1))
+    for gap in (1e-9, 0.02, 1.0):
+        apart, _ = closed_points(assembly, pairs, points, np.tile([0, 0, 1.0], (60, 1)), gap)
+        assert apart == pytest.approx(known, abs=1e-12)
 
 
 @pytest.mark.parametrize(("x", "crosses"), [(0.2, True), (-0.1, False)])

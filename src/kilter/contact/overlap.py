@@ -485,7 +485,8 @@ def _ball_overlap(
     """Overlap of two convex parts from the largest ball inside both; None if that is small.
 
     `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
-    linear program. Also the pressures of the facets on the ball, which are in balance, shape (m,);
+    linear program; for parts that are apart its radius is negative, so that no tolerance of the
+    solver makes them overlap. Also the pressures of the facets on the ball, which are in balance, shape (m,);
     None if they are unknown.
     """
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
@@ -500,11 +501,11 @@ def _ball_overlap(
             csc_array(np.column_stack([normals, np.ones(len(normals))])),
             np.full(len(normals), -np.inf),
             offsets / scale,
-            np.array([-np.inf, -np.inf, -np.inf, 0.0]),
+            -no_limit,
             no_limit,
         )
     )
-    if ball.outcome == "infeasible" or (ball.optimal and ball.x[3] * scale <= tolerance / 2):
+    if ball.optimal and ball.x[3] * scale <= tolerance / 2:
         return None, None
     if not ball.optimal:  # undecided: report an overlap, so that none is missed
         return Overlap(parts, None, depth, "overlap"), None
