@@ -271,6 +271,7 @@ def find_overlaps(
     recorded = {overlap.ends for overlap in overlaps}
     if not overlaps and not len(rows):
         return ()
+    bodies: dict[tuple[int, int], SharedBody] = {}
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         if parts in recorded:
@@ -279,12 +280,12 @@ def find_overlaps(
         if both_convex[row]:
             overlap = _convex_overlap(faces, parts, float(tolerance[row]))
         else:
-            overlap = _general_overlap(faces, row, parts, float(tolerance[row]))
+            overlap = _general_overlap(faces, row, parts, float(tolerance[row]), bodies)
         if overlap is not None:
             overlaps.append(overlap)
     overlaps = _with_interference(assembly, overlaps, tolerances)
     round_boxes = _surface_boxes(geometry, {part for overlap in overlaps for part in overlap.ends})
-    return tuple(_with_volume(faces, overlap, tolerances, round_boxes) for overlap in overlaps)
+    return tuple(_with_volume(faces, each, tolerances, round_boxes, bodies) for each in overlaps)
 
 
 FINER = range(1, 6)
@@ -309,16 +310,18 @@ def _with_interference(
 
 
 def _with_volume(
-    faces: FacePatches, overlap: Overlap, tolerance: Tolerance, boxes: _Boxes
-) -> Overlap:
+    faces: FacePatches, overlap: Overlap, tolerance: Tolerance, boxes: _Boxes,
+    bodies: dict[tuple[int, int], SharedBody],
+) -> Overlap:  # fmt: skip
     """The overlap with its shared volume, also as a fraction of the smaller part's volume.
 
-    The share is None if the smaller part is thinner than the gap tolerance.
+    The share is None if the smaller part is thinner than the gap tolerance. `bodies`: the known
+    shared bodies of pairs.
     """
     volume, geometry, both = overlap.volume, faces.search.geometry, list(overlap.ends)
     exact = overlap.why == SAME_BODY or not (geometry.slack[both] > 0).any()
     if volume is None or not exact:
-        body = shared_body(faces.search.solids, *overlap.ends)
+        body = bodies.get(overlap.ends) or shared_body(faces.search.solids, *overlap.ends)
         volume = _exact_volume(geometry, overlap.ends, body, boxes) if body is not None else volume
     smaller = int(both[int(np.argmin(geometry.volume[both]))])
     thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
@@ -415,11 +418,13 @@ def _behind_surfaces(geometry: Geometry, part: int, corners: Array, boxes: _Boxe
 
 
 def _general_overlap(
-    faces: FacePatches, row: int, parts: tuple[int, int], tolerance: float
-) -> Overlap | None:
+    faces: FacePatches, row: int, parts: tuple[int, int], tolerance: float,
+    bodies: dict[tuple[int, int], SharedBody],
+) -> Overlap | None:  # fmt: skip
     """Overlap of two parts of any shape; None if its depth is within the tolerance.
 
     Points on curved faces that touch over an area are ignored: only triangulations overlap there.
+    The shared body of an overlap is added to `bodies`.
     """
     geometry, (a, b) = faces.search.geometry, parts
     if coincide(geometry, a, b):
@@ -434,7 +439,11 @@ def _general_overlap(
     else:
         depth = depth_of(faces.search.solids, parts, body, least=tolerance, without=on_patch)
         volume = body.volume
-    return Overlap(parts, volume, depth, "overlap") if depth > tolerance else None
+    if depth <= tolerance:
+        return None
+    if body is not None:
+        bodies[parts] = body
+    return Overlap(parts, volume, depth, "overlap")
 
 
 def _same_body(geometry: Geometry, parts: tuple[int, int]) -> Overlap:
@@ -486,8 +495,8 @@ def _ball_overlap(
 
     `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
     linear program; for parts that are apart its radius is negative, so that no tolerance of the
-    solver makes them overlap. Also the pressures of the facets on the ball, which are in balance, shape (m,);
-    None if they are unknown.
+    solver makes them overlap. Also the pressures of the facets on the ball, which are in balance,
+    shape (m,); None if they are unknown.
     """
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
