@@ -186,17 +186,23 @@ def _fall_words(body: Entry, units: str) -> str:
 
 
 def _rest_words(body: Entry) -> str:
-    """Return how far a body tips over, and on what it then rests; nothing if it stands.
+    """Return how far a body tips over, and on which of its parts it rests; nothing if it stands.
 
     Examples
     --------
-    >>> _rest_words({"rest_deg": 0.62, "rests_on": ["screw", "case"]})
-    'tips over by 0.62 deg and then rests on screw, case'
+    >>> case = {"rest_deg": 0.62, "rests_on": ["screw", "case"], "parts": ["case", "lid", "screw"]}
+    >>> _rest_words(case)
+    'tips over by 0.62 deg and then rests on its parts screw, case'
+    >>> _rest_words({**case, "parts": ["case"]})
+    'tips over by 0.62 deg and then rests'
     """
     if body.get("rest_deg") is None:
         return ""
-    feet = some([plain(name) for name in body["rests_on"]], FEW)
-    return f"tips over by {number(body['rest_deg'], 2)} deg and then rests on {feet}"
+    words = f"tips over by {number(body['rest_deg'], 2)} deg and then rests"
+    if len(body["parts"]) == 1:
+        return words
+    feet = [plain(name) for name in body["rests_on"]]
+    return f"{words} on its {'part' if len(feet) == 1 else 'parts'} {some(feet, FEW)}"
 
 
 def _range(values: Sequence[float], units: str) -> str:
