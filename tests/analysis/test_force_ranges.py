@@ -6,11 +6,14 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from transformations import scaled
 
 import kilter
 from kilter import Assembly, Box, InputError, Mesh, Part
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
 from kilter.cli import main
+from kilter.rigid import Pose
+from kilter.scenes.pieces import moved, turn
 from kilter.scenes.walls import wall_of
 
 G = 9.81
@@ -60,9 +63,13 @@ def knife(name, x):
     return Part(name, Mesh(np.array([[x, 0, 0], [x, 1, 0], *low]), faces), grounded=True)
 
 
-def test_a_beam_on_three_supports_lies_on_the_middle_or_on_the_ends():
+def beam_on_three():
     knives = [knife(f"knife-{k}", x) for k, x in enumerate((-2, 0, 2))]
-    scene = Assembly([*knives, Part("beam", Box(4.4, 1, 0.5), [0, 0.5, 0.25])])
+    return Assembly([*knives, Part("beam", Box(4.4, 1, 0.5), [0, 0.5, 0.25])])
+
+
+def test_a_beam_on_three_supports_lies_on_the_middle_or_on_the_ends():
+    scene = beam_on_three()
     weight = 2.2 * 1000 * G
     assert ends(scene, ("knife-1", "beam")) == pytest.approx((0, weight), rel=1e-9, abs=1e-6)
     for k in (0, 2):
@@ -250,6 +257,52 @@ def test_wrong_names_and_pairs_are_sentences():
         verdict.force_ranges([("w0", "v5")])
 
 
+def off_centre(units, unit):
+    """A box off the centre of its held floor, with lengths of a unit [m]."""
+    size = 1 / unit
+    floor = Part("floor", Box(4 * size, 4 * size, size), [0, 0, -size / 2], grounded=True)
+    box = Part("box", Box(size, size, size), [0.2 * size, 0.1 * size, size / 2])
+    return Assembly([floor, box], friction=0.5, units=units)
+
+
+@pytest.mark.parametrize(("units", "unit"), [("m", 1.0), ("mm", 1e-3)])
+@pytest.mark.parametrize(("axis", "moment"), [((0, 1, 0), 0.2), ((2, 0, 0), -0.1), ((0, 0, 1), 0)])
+def test_the_moment_of_a_reaction_is_that_of_the_weight(units, unit, axis, moment):
+    verdict = kilter.check(off_centre(units, unit))
+    (found,) = verdict.force_ranges(["floor"], moment=axis)
+    for end in (found.least, found.greatest):
+        assert end.proved
+        assert end.value == pytest.approx(moment * 1000 * G, rel=1e-9, abs=1e-6)
+    assert found.sentence.endswith(" N m")
+
+
+def test_a_middle_block_moves_the_force_on_a_beam_aside():
+    """Its force N at most half from the middle has the moment N / 2 <= 2 (W - N), so N = .8 W."""
+    middle = Part("middle", Box(1, 1, 1), [0, 0.5, -0.5], grounded=True)
+    beam = Part("beam", Box(4.4, 1, 0.5), [0, 0.5, 0.25])
+    scene = Assembly([knife("first", -2), middle, knife("last", 2), beam])
+    (found,) = kilter.check(scene).force_ranges([("middle", "beam")], moment=[0, 1, 0])
+    most = 0.4 * 2.2 * 1000 * G
+    assert (found.least.value, found.greatest.value) == pytest.approx((-most, most), rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [1e-2, 1.0, 1e2])
+def test_ranges_turn_and_grow_with_the_assembly(size):
+    pose = Pose([3, -2, 5], turn([1, 2, -1], 37))
+    for scene, pair, axis in (
+        (arch(10, 1), ("right", "v0"), [-1, 0, 0]),
+        (arch(10, 1), ("v4", "v5"), None),
+        (beam_on_three(), ("knife-1", "beam"), None),
+        (beam_on_three(), ("knife-0",), [0, 0, 1]),
+    ):
+        first = ends(scene, pair, axis)
+        turned = None if axis is None else pose.matrix @ axis
+        second = ends(moved(scaled(scene, size), pose.rotation, pose.position), pair, turned)
+        most = max(map(abs, first))
+        assert np.array(second) / size**3 == pytest.approx(first, abs=1e-8 * most)
+
+
 @pytest.mark.slow
 def test_the_command_lists_ranges_and_one_possible_set(tmp_path, capsys):
     path = str(tmp_path / "arch.kilter.json")
@@ -269,3 +322,10 @@ def test_the_command_lists_ranges_and_one_possible_set(tmp_path, capsys):
     assert "--along needs forces" in capsys.readouterr().err
     assert main(["check", path, "--forces", "--along", "1,2"]) == 2
     assert "give x, y, z, or X,Y,Z" in capsys.readouterr().err
+    assert main(["check", path, "--between", "springer-left", "all", "--moment", "y"]) == 0
+    out = capsys.readouterr().out
+    assert "Moments [N m] on the second part about (0, 1, 0), least and greatest" in out
+    assert main(["check", path, "--moment", "y"]) == 2
+    assert "--moment needs forces" in capsys.readouterr().err
+    assert main(["check", path, "--forces", "--along", "x", "--moment", "y"]) == 2
+    assert "along and moment are both given" in capsys.readouterr().err

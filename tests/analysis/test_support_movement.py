@@ -5,12 +5,15 @@ import math
 
 import numpy as np
 import pytest
-from test_force_ranges import G, arch, knife, slot
+from test_force_ranges import G, arch, beam_on_three, knife, slot
+from transformations import scaled
 
 import kilter
 from kilter import Assembly, Box, InputError, Part
 from kilter.cli import main
 from kilter.mechanics.program import build_program
+from kilter.rigid import Pose
+from kilter.scenes.pieces import moved, turn
 
 SMALL = 1e-3
 
@@ -53,6 +56,30 @@ def test_an_arch_on_spreading_supports(count, thickness, thrust, drop, opened):
         assert np.hypot(*contact.at[[0, 2]]) == pytest.approx(opened[joint])
         assert np.hypot(*contact.hinge[[0, 2]]) == pytest.approx(10 + thickness - opened[joint])
         assert contact.opening == pytest.approx(thickness * math.radians(contact.angle), rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [1e-2, 1e2])
+def test_movements_turn_and_grow_with_the_assembly(size):
+    pose = Pose([3, -2, 5], turn([1, 2, -1], 37))
+    for scene, name, way in (
+        (arch(10, 1.0), "left", [-SMALL, 0, 0.0]),
+        (beam_on_three().with_friction(0.5), "knife-1", [0, 0, -SMALL]),
+    ):
+        first = kilter.check(scene).support_movement({name: way})
+        turned = moved(scaled(scene, size), pose.rotation, pose.position)
+        second = kilter.check(turned).support_movement({name: size * (pose.matrix @ way)})
+        assert (second.outcome, second.exact) == (first.outcome, first.exact)
+        assert len(second.opened) == len(first.opened)
+        rotated = np.column_stack(
+            [size * first.motion[:, :3] @ pose.matrix.T, first.motion[:, 3:] @ pose.matrix.T]
+        )
+        assert second.motion[:, :3] == pytest.approx(rotated[:, :3], abs=1e-6 * size * SMALL)
+        assert second.motion[:, 3:] == pytest.approx(rotated[:, 3:], abs=1e-6 * SMALL)
+        most = abs(first.greatest_work.value)
+        works = second.least_work.value, second.greatest_work.value
+        expected = first.least_work.value, first.greatest_work.value
+        assert np.array(works) / size**4 == pytest.approx(expected, abs=1e-8 * most)
 
 
 def test_a_beam_follows_a_support_that_sinks():

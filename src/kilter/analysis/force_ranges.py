@@ -26,7 +26,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import TINY, Array, Index, Mask
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, check_forces, part_sizes
 from kilter.mechanics.clusters import clusters
@@ -36,6 +36,7 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.solvers.problem import LinearProgram, Solution
 from kilter.tell.record import InPython, Record, Vector, key
+from kilter.units import metres_per_unit
 
 EVEN = 8
 """Number of rays, and of sides, of each pyramid at even angles."""
@@ -78,31 +79,38 @@ class ForceRange(Record):
     parts: tuple[str, ...]
     """Names of the two parts, or of the held part."""
     along: Vector | None
-    """Axis of the force; null for the sum of the normal forces."""
+    """Axis of the force; null for the sum of the normal forces, and for a moment."""
+    moment: Vector | None
+    """Axis of the moment on the last part about its centre of mass; null for a force."""
     least: ForceEnd
-    """The least force [N]; along an axis, the force on the second part."""
+    """The least force [N]; along an axis, the force on the second part. A moment is in N m."""
     greatest: ForceEnd
-    """The greatest force [N]."""
+    """The greatest force [N] or moment [N m]."""
     weight: InPython[float]
-    """Weight of the free parts that touch each other there [N]: smaller numbers are rounding."""
+    """Weight of the free parts that touch each other there [N], for a moment times the largest
+    lever [N m]: smaller numbers are rounding."""
 
     @property
     @key
     def sentence(self) -> str:
         """The range in words."""
-        names = " - ".join(self.parts)
+        names, unit = " - ".join(self.parts), "N" if self.moment is None else "N m"
         low, high = self.least.value, self.greatest.value
         if (low is None and not self.least.proved) or (high is None and not self.greatest.proved):
             return f"{names}: no range is known"
         if low is None and high is None:
-            return f"{names}: any force: a squeeze of any size is in balance"
+            return f"{names}: any value: a squeeze of any size is in balance"
         if high is None:
-            return f"{names}: at least {low:.5g} N, without an upper limit: the parts can squeeze"
+            return (
+                f"{names}: at least {low:.5g} {unit}, without an upper limit: the parts can squeeze"
+            )
         if low is None:
-            return f"{names}: at most {high:.5g} N, without a lower limit: the parts can squeeze"
+            return (
+                f"{names}: at most {high:.5g} {unit}, without a lower limit: the parts can squeeze"
+            )
         if high - low <= RANGE_AGREES * self.weight:
-            return f"{names}: {(low + high) / 2:.5g} N"
-        return f"{names}: {low:.5g} to {high:.5g} N"
+            return f"{names}: {(low + high) / 2:.5g} {unit}"
+        return f"{names}: {low:.5g} to {high:.5g} {unit}"
 
 
 def pressed_pairs(program: Program) -> list[tuple[int, ...]]:
@@ -113,13 +121,17 @@ def pressed_pairs(program: Program) -> list[tuple[int, ...]]:
 
 
 def force_ranges(
-    program: Program, about: Sequence[tuple[int, ...]], along: Array | None = None
+    program: Program,
+    about: Sequence[tuple[int, ...]],
+    along: Array | None = None,
+    moment: Array | None = None,
 ) -> list[ForceRange]:
-    """Compute ranges of the forces between pairs of parts, or on held parts.
+    """Compute ranges of the forces between pairs of parts, or on held parts, or of their moments.
 
     Arguments: `about`: two parts, or a single held part, by index; `along`: axis of the force,
-    shape (3,); without it the normal forces are added. Raises `InputError` if an entry has no
-    contact, or contacts are bonded.
+    shape (3,); `moment`: axis of the moment on the last part about its centre of mass, shape (3,).
+    Without an axis the normal forces are added. Raises `InputError` if an entry has no contact, or
+    contacts are bonded.
     """
     if program.cohesion.any() or program.pull.any():
         raise InputError("ranges of forces are not computed for bonds", hint="leave the bonds out")
@@ -141,15 +153,23 @@ def force_ranges(
         for cluster, search in zip(parted, searches, strict=True):
             rows = of_parts[cluster.rows]
             if rows.any():
-                gain = _gain(cluster.program, rows, parts, along)
+                gain, lever = _gain(cluster.program, rows, parts, along), 1.0
+                if moment is not None:
+                    gain = _moment_gain(cluster.program, rows, parts, moment)
+                    lever = float(np.abs(gain).max(initial=TINY))
+                size = lever * (1.0 if moment is None else metres_per_unit(program.units))
                 ends = [
-                    added(end, search.end(gain, s)) for end, s in zip(ends, (-1, 1), strict=True)
+                    added(end, search.end(gain / lever, s), size)
+                    for end, s in zip(ends, (-1, 1), strict=True)
                 ]
-                weight += search.weight
+                weight += search.weight * size
         named = tuple(program.names[part] for part in parts)
         found.append(
-            ForceRange(parts=named, along=along, least=ends[0], greatest=ends[1], weight=weight)
-        )
+            ForceRange(
+                parts=named, along=along, moment=moment, least=ends[0], greatest=ends[1],
+                weight=weight,
+            )
+        )  # fmt: skip
     return found
 
 
@@ -170,6 +190,13 @@ def _gain(program: Program, rows: Mask, parts: tuple[int, ...], along: Array | N
         return np.where(rows[:, None], program.normal, 0.0)
     sign = np.where(program.part_b == parts[-1], 1.0, -1.0)
     return np.where(rows[:, None], sign[:, None] * along, 0.0)
+
+
+def _moment_gain(program: Program, rows: Mask, parts: tuple[int, ...], axis: Array) -> Array:
+    """Vector of each row whose product with its force is the moment on the last part, (K, 3)."""
+    arms = program.point - program.center[parts[-1]]
+    sign = np.where(program.part_b == parts[-1], 1.0, -1.0)
+    return np.where(rows[:, None], sign[:, None] * np.cross(axis, arms), 0.0)
 
 
 def added(first: ForceEnd, second: ForceEnd, unit: float = 1.0) -> ForceEnd:

@@ -66,6 +66,12 @@ class CheckOptions:
         "normal force.",
         FORM,
     )
+    moment: str | None = option(
+        "--moment x|y|z|X,Y,Z",
+        "With --forces or --between: the moment on the second part about this axis through its "
+        "centre of mass, in N m.",
+        FORM,
+    )
     move: list[str] | None = option(
         "--move NAME=DX,DY,DZ",
         "A held part moves by this small vector [length unit of the file]: how the parts follow, "
@@ -155,16 +161,18 @@ def _ranges(verdict: Verdict, options: CheckOptions) -> tuple[ForceRange, ...] |
 
     Without --between, all pairs are meant, up to `RANGED`.
     """
-    if options.along is not None and not (options.forces or options.between):
-        raise InputError("--along needs forces", hint="add --forces, or --between A B")
-    along = None if options.along is None else _axis(options.along)
+    for name, axis in (("along", options.along), ("moment", options.moment)):
+        if axis is not None and not (options.forces or options.between):
+            raise InputError(f"--{name} needs forces", hint="add --forces, or --between A B")
+    along = None if options.along is None else _axis("along", options.along)
+    moment = None if options.moment is None else _axis("moment", options.moment)
     if options.between:
         pairs = [(a,) if b == "all" else (a, b) for a, b in options.between]
-        return verdict.force_ranges(pairs, along)
+        return verdict.force_ranges(pairs, along, moment)
     bonded = bool(verdict.assembly.bonds)
     if not options.forces or bonded or len(verdict.contact_set) > RANGED:
         return None
-    return verdict.force_ranges(along=along)
+    return verdict.force_ranges(along=along, moment=moment)
 
 
 def _movement(verdict: Verdict, options: CheckOptions) -> SupportMovement | None:
@@ -181,13 +189,13 @@ def _movement(verdict: Verdict, options: CheckOptions) -> SupportMovement | None
     )
 
 
-def _axis(text: str) -> list[float]:
-    """The axis of --along; its words are x, y, z or three numbers."""
+def _axis(option: str, text: str) -> list[float]:
+    """The axis of an option; its words are x, y, z or three numbers."""
     if text in ("x", "y", "z"):
         return [float(text == name) for name in "xyz"]
     numbers = [number_of(word) for word in text.split(",")]
     if len(numbers) != 3 or None in numbers or not any(numbers):
-        raise InputError(f"--along is {text!r:.40}", hint="give x, y, z, or X,Y,Z")
+        raise InputError(f"--{option} is {text!r:.40}", hint="give x, y, z, or X,Y,Z")
     return [float(number) for number in numbers if number is not None]
 
 

@@ -252,7 +252,8 @@ def ranges_table(answer: Answer) -> Table:
 
     def end(entry: Answer, value: Answer) -> str:
         if entry["value"] is not None:
-            return force(entry["value"]) + ("" if entry["proved"] else " (not proved)")
+            size = force(entry["value"]) if value["moment"] is None else number(entry["value"])
+            return size + ("" if entry["proved"] else " (not proved)")
         return "no limit" if entry["proved"] else "unknown"
 
     def row(one: Answer) -> Sequence[str]:
@@ -264,10 +265,12 @@ def ranges_table(answer: Answer) -> Table:
             end(one["greatest"], one),
         )
 
-    along = answer["ranges"][0]["along"]
+    along, moment = answer["ranges"][0]["along"], answer["ranges"][0]["moment"]
     what = (
         "Normal forces" if along is None else f"Forces on the second part along {vector(along, 3)}"
     )
+    if moment is not None:
+        what = f"Moments [N m] on the second part about {vector(moment, 3)}"
     title = f"{what}, least and greatest of all equilibria:"
     return Table(title, ["part", "and part", "least", "greatest"], answer["ranges"], row, True)
 

@@ -572,7 +572,10 @@ class Verdict(InCells, SupportedAnswer):
 
     @on_one_thread
     def force_ranges(
-        self, between: Sequence[str | Sequence[str]] | None = None, along: Any = None
+        self,
+        between: Sequence[str | Sequence[str]] | None = None,
+        along: Any = None,
+        moment: Any = None,
     ) -> tuple[ForceRange, ...]:
         """Least and greatest contact forces over all equilibria, each end with its evidence.
 
@@ -584,6 +587,9 @@ class Verdict(InCells, SupportedAnswer):
         along : array_like, shape (3,), optional
             Axis of the force, world frame: the range is that of the force on the second part along
             it. By default the normal forces of a pair are added.
+        moment : array_like, shape (3,), optional
+            Axis of a moment, world frame: the range is that of the moment [N m] on the last named
+            part about its centre of mass.
 
         Returns
         -------
@@ -593,17 +599,23 @@ class Verdict(InCells, SupportedAnswer):
         Raises
         ------
         InputError
-            If a name is unknown, two parts have no contact, or contacts are bonded.
+            If a name is unknown, two parts have no contact, contacts are bonded, or two axes are
+            given.
         """
+        if along is not None and moment is not None:
+            raise InputError(
+                "along and moment are both given", hint="ask for one of them at a time"
+            )
         if self.level is None:
             return ()
         axis = None if along is None else unit(along)
+        about = None if moment is None else unit(moment)
         program = build_program(self.assembly, self.contact_set)  # `program` may lack friction
         pairs = pressed_pairs(program)
         if between is not None:
             named = [(one,) if isinstance(one, str) else tuple(one) for one in between]
             pairs = [tuple(self.assembly.index_of(name) for name in names) for names in named]
-        return sealed(tuple(force_ranges(program, pairs, axis)))
+        return sealed(tuple(force_ranges(program, pairs, axis, about)))
 
     @on_one_thread
     def support_movement(
