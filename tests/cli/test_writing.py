@@ -116,7 +116,7 @@ def test_every_command_that_writes_is_here():
     from kilter.cli.commands import COMMANDS
 
     # batch: tests/cli/test_batch.py; mcp: tests/agents
-    quiet = {"view", "verify", "batch", "doctor", "mcp"}
+    quiet = {"view", "verify", "batch", "doctor", "mcp", "help"}
     assert {words[0] for words in WRITERS.values()} == set(COMMANDS) - quiet
 
 
