@@ -514,14 +514,14 @@ def contacts(
     """
 
 def draw(
-    subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
+    subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places | Margin,
     out: str | Path | None = None,
     *,
     friction: float | None = None,
     down: ArrayLike | None = None,
     ground: str | Iterable[str] = (),
     floor: bool | float | None = None,
-    what: Literal["assembly", "region"] = "assembly",
+    what: Literal["assembly", "region", "changes"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
@@ -530,18 +530,20 @@ def draw(
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Figure:
-    """Draw the parts with their motion or forces, or the stable region on the sphere.
+    """Draw the parts with their motion or forces, the stable region, or the changes that help.
 
-    The figure of a plan is a sheet with a picture per step.
+    The figure of a plan is a sheet with a picture per step. That of a margin has an arrow on each
+    part, along which a movement raises the limit most, and beside it the assembly with the best
+    change of `improve`, or the one that `make_stand` found.
 
     Parameters
     ----------
-    subject : Assembly, path, Verdict, Region, Order, Settled, Transport or Places
+    subject : Assembly, path, Verdict, Region, Order, Settled, Transport, Places or Margin
         An answer is drawn unchanged. For an assembly, the answer is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
-    what : {"assembly", "region"}
-        Figure of an assembly: its verdict or its stable region.
+    what : {"assembly", "region", "changes"}
+        Figure of an assembly: its verdict, its stable region, or the changes that help.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     names : bool, optional

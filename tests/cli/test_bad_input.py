@@ -140,7 +140,7 @@ def test_a_broken_file(name, content, expected, capsys):
             "--down has 'z', not a number; write --down X Y Z",
         ),
         (["view", "a.json", "--port", "x"], "--port has 'x', not a whole number; write --port N"),
-        (["draw", "a.json", "--what", "y"], "--what has 'y', not one of assembly|region"),
+        (["draw", "a.json", "--what", "y"], "--what has 'y', not one of assembly|region|changes"),
         (["check", "a.json", "--ground", "cubes"], "did you mean 'cube'"),
         (["check", "a.json", "--without", "c?be", "--without", "table"], "all parts are left out"),
         (["check", "a.json", "--gap", "0"], "--gap"),

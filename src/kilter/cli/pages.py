@@ -21,6 +21,7 @@ class What(StrEnum):
 
     ASSEMBLY = "assembly"
     REGION = "region"
+    CHANGES = "changes"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +159,8 @@ class DrawOptions:
     what: What = option(
         "--what",
         "assembly: the assembly with its motion or its forces. region: the stable region on "
-        "the sphere of directions of gravity.",
+        "the sphere of directions of gravity. changes: arrows of movements that help, and beside "
+        "it the assembly with the best change of 'margin --improve'.",
         default=What.ASSEMBLY,
     )
     view: tuple[float, float] | None = option(

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from kilter.assembly.question import Question, question
 from kilter.errors import InputError
 from kilter.publish.films import changed_subject, path_of, require_figure, require_steps
@@ -13,6 +15,7 @@ from kilter.publish.films import changed_subject, path_of, require_figure, requi
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from kilter.analysis.margins.margin_answer import Margin
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
@@ -30,27 +33,29 @@ Tell = Callable[[str], None]
 
 @question(lacks="contacts require")
 def draw(
-    subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
+    subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places | Margin,
     out: str | Path | None = None,
     *,
     asked: Question,
-    what: Literal["assembly", "region"] = "assembly",
+    what: Literal["assembly", "region", "changes"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
 ) -> Figure:
-    """Draw the parts with their motion or forces, or the stable region on the sphere.
+    """Draw the parts with their motion or forces, the stable region, or the changes that help.
 
-    The figure of a plan is a sheet with a picture per step.
+    The figure of a plan is a sheet with a picture per step. That of a margin has an arrow on each
+    part, along which a movement raises the limit most, and beside it the assembly with the best
+    change of `improve`, or the one that `make_stand` found.
 
     Parameters
     ----------
-    subject : Assembly, path, Verdict, Region, Order, Settled, Transport or Places
+    subject : Assembly, path, Verdict, Region, Order, Settled, Transport, Places or Margin
         An answer is drawn unchanged. For an assembly, the answer is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
-    what : {"assembly", "region"}
-        Figure of an assembly: its verdict or its stable region.
+    what : {"assembly", "region", "changes"}
+        Figure of an assembly: its verdict, its stable region, or the changes that help.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     names : bool, optional
@@ -80,6 +85,7 @@ def draw(
     >>> draw(scene("tower"), what="region").get_size_inches().tolist()
     [7.0, 4.3]
     """
+    from kilter.analysis.margins.margin_answer import Margin
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
@@ -105,6 +111,8 @@ def draw(
         figure = _draw_transport(answer)
     elif isinstance(answer, Places):
         figure = _draw_places(answer)
+    elif isinstance(answer, Margin):
+        figure = _draw_changes(answer, view)
     elif isinstance(answer, Order):
         require_steps(answer)
         figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
@@ -138,6 +146,37 @@ def _draw_transport(answer: Transport) -> Figure:
     return draw_polar(answer.to_dict())
 
 
+def _draw_changes(answer: Margin, view: tuple[float, float] | None) -> Figure:
+    """Draw movements that help and the changed assembly; an error if nothing helps."""
+    from kilter.analysis.margins.best_movements import best_forces, best_movements
+    from kilter.show.changes_figure import draw_changes
+    from kilter.tell.numbers import number
+
+    given, words, changed = answer.assembly, "", None
+    sentence = "No single change that was tried helps."
+    if answer.made_stand is not None and answer.made_stand.stands:
+        changed = answer.made_stand.assembly
+        sentence = "; ".join(change.sentence for change in answer.made_stand.changes)
+    elif answer.improvements:
+        changed, sentence = answer.improvements[0].changed, answer.improvements[0].sentence
+    arrows = np.zeros((len(given.parts), 3))
+    try:
+        gradient = answer.gradient()
+        arrows, kind = best_movements(given, answer.contacts, gradient), "movement"
+        per = given.units
+        if not arrows.any():
+            arrows, kind, per = best_forces(given, gradient), "force", "N"
+        most = number(float(np.linalg.norm(arrows, axis=1).max()), 3)
+        unit = "" if gradient.unit == "-" else f"{gradient.unit} "
+        gain = "lowers the least" if gradient.of == "friction" else "raises the"
+        words = f"a {kind} that {gain} {gradient.of}, longest {most} {unit}per {per}"
+    except InputError:  # bonds have no gradient
+        if changed is None:
+            raise
+    sentence = f"{sentence[0].upper()}{sentence[1:]}"
+    return draw_changes(given, changed, arrows, words, sentence, view=view)
+
+
 def _draw_places(answer: Places) -> Figure:
     """Draw the map of places; an error if the answer is about a given place."""
     from kilter.show.place_figure import draw_places
@@ -153,6 +192,8 @@ def _draw_places(answer: Places) -> Figure:
 def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
+    from kilter.analysis.margins.margin import margin
+    from kilter.analysis.margins.margin_answer import Margin
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
@@ -161,7 +202,7 @@ def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 
-    if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
+    if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places | Margin):
         return subject
     require_assembly(subject, "draw")
     left = asked.seconds_left
@@ -169,6 +210,10 @@ def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     asked = asked.but(assembly=subject, verb="check")  # so that the assumption of the file counts
     if what == "region":
         return region(asked.but(verb=""))
+    if what == "changes":
+        return margin(asked.but(verb=""), improve=True)
     if what != "assembly":
-        raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
+        raise InputError(
+            f"there is no figure {what!r}", hint="give 'assembly', 'region' or 'changes'"
+        )
     return check(asked)

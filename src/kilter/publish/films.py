@@ -72,6 +72,7 @@ def title_of(source: str) -> str:
 
 def changed_subject(subject: Any, asked: Question) -> Any:
     """Return an assembly with the changes of the keywords; an answer rejects changes."""
+    from kilter.analysis.margins.margin_answer import Margin
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
@@ -79,7 +80,7 @@ def changed_subject(subject: Any, asked: Question) -> Any:
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
 
-    if not isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
+    if not isinstance(subject, Verdict | Region | Order | Settled | Transport | Places | Margin):
         return asked.read(subject)
     asked.require_unchanged(subject)
     return subject

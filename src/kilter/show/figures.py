@@ -120,7 +120,7 @@ def draw_picture(assembly: Assembly, view: tuple[float, float] | None) -> PartsP
     axes = figure.add_axes((0.09, 0.11, *SPACE))
     axes.set_axis_off()
     camera = camera_of(assembly, view)
-    low, high = picture_limits(assembly, camera, figure)
+    low, high = picture_limits(assembly, camera, _picture_shape(figure))
     size = float((high - low).max())
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     entries, faces = draw_parts(axes, assembly, camera, size)
@@ -137,8 +137,11 @@ def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
     return Camera.at(azimuth, elevation, turn)
 
 
-def picture_limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
-    """Lower left and upper right corner of the picture, around free parts and nearby held parts."""
+def picture_limits(assembly: Assembly, camera: Camera, shape: Array) -> tuple[Array, Array]:
+    """Lower left and upper right corner of a picture, around free parts and nearby held parts.
+
+    Arguments: `shape` (2,): width and height of the picture, in any unit.
+    """
     geometry = assembly.geometry
     flat = camera.flat(geometry.vertices)
     free = ~geometry.grounded[geometry.vertex_part]
@@ -147,13 +150,17 @@ def picture_limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[
     reach = HELD_IN_VIEW * float((high - low).max())
     low = np.maximum(flat.min(axis=0), low - reach)
     high = np.minimum(flat.max(axis=0), high + reach)
-    return _fitting(low, high, figure, 1 + 2 * MARGIN)
+    return _fitting(low, high, shape, 1 + 2 * MARGIN)
 
 
-def _fitting(low: Array, high: Array, figure: Figure, margin: float) -> tuple[Array, Array]:
-    """Corners of the least picture of the shape of the axes around a rectangle with a margin."""
+def _picture_shape(figure: Figure) -> Array:
+    """Width and height of the picture in a figure [inch]."""
+    return np.asarray(np.array(SPACE) * figure.get_size_inches())
+
+
+def _fitting(low: Array, high: Array, shape: Array, margin: float) -> tuple[Array, Array]:
+    """Corners of the least picture of a shape around a rectangle with a margin."""
     middle, half = (low + high) / 2, (high - low) / 2 * margin
-    shape = np.array(SPACE) * figure.get_size_inches()
     half = shape * max(float((half / shape).max()), 1e-300)
     return middle - half, middle + half
 
@@ -170,5 +177,5 @@ def show_whole(figure: Figure, axes: Axes, artists: Iterable[Artist]) -> None:
     )
     low, high = np.minimum(corners[0], limits[0]), np.maximum(corners[1], limits[1])
     if (low < limits[0]).any() or (high > limits[1]).any():
-        low, high = _fitting(low, high, figure, 1 + MARGIN / 2)
+        low, high = _fitting(low, high, _picture_shape(figure), 1 + MARGIN / 2)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))

@@ -105,19 +105,11 @@ def draw_motion(
     motion, geometry = verdict.motion, verdict.assembly.geometry
     if not motion.known:
         return _ghosts(axes, verdict, camera, 0.6 * longest)
-    linear = motion.acceleration[:, :3]
-    sizes = np.linalg.norm(linear, axis=1)
-    most = float(sizes.max())
-    shown = np.flatnonzero(motion.moves & (sizes > SHOWN * most))
-    for k in shown[np.argsort(-sizes[shown], kind="stable")][:ARROWS]:
-        start = geometry.center[k]
-        ends = camera.flat(np.array([start, start + linear[k] * longest / most]))
-        _arrow(axes, ends, MOTION, float(sizes[k] / most))
+    linear = np.where(motion.moves[:, None], motion.acceleration[:, :3], 0.0)
+    most = float(np.linalg.norm(linear, axis=1).max())
     gravity = float(np.linalg.norm(verdict.assembly.gravity))
-    entries = []
-    if len(shown):
-        words = f"{KIND.get(verdict.verdict, '')}first acceleration, longest {most / gravity:.3g} g"
-        entries.append((_sign(MOTION), words))
+    words = f"{KIND.get(verdict.verdict, '')}first acceleration, longest {most / gravity:.3g} g"
+    entries = draw_arrows(axes, camera, geometry.center, linear, longest, words)
     turning = motion.relative[:, 1]
     turns = np.flatnonzero(motion.moves & (turning > 0.1 * float(motion.relative.max())))
     for k in turns[np.argsort(-turning[turns], kind="stable")][:ARROWS]:
@@ -128,6 +120,22 @@ def draw_motion(
         fastest = float(np.linalg.norm(motion.acceleration[turns, 3:], axis=1).max())
         entries.append((_sign(MOTION, "dotted"), f"rotation, fastest {fastest:.3g} rad/s²"))
     return entries + _ghosts(axes, verdict, camera, 0.6 * longest)
+
+
+def draw_arrows(
+    axes: Axes, camera: Camera, starts: Array, vectors: Array, longest: float, words: str
+) -> list[tuple[Any, str]]:
+    """Draw arrows in proportion to vectors; return the legend entry, which `words` describe.
+
+    Arguments: `starts`, `vectors` (N, 3); `longest`: length of the longest arrow [length unit].
+    """
+    sizes = np.linalg.norm(vectors, axis=1)
+    most = float(sizes.max(initial=0.0))
+    shown = np.flatnonzero(sizes > SHOWN * most)
+    for k in shown[np.argsort(-sizes[shown], kind="stable")][:ARROWS]:
+        ends = camera.flat(np.array([starts[k], starts[k] + vectors[k] * longest / most]))
+        _arrow(axes, ends, MOTION, float(sizes[k] / most))
+    return [(_sign(MOTION), words)] if len(shown) else []
 
 
 def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> list[tuple[Any, str]]:

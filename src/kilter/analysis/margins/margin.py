@@ -18,7 +18,6 @@ import numpy as np
 from kilter.analysis.check import check
 from kilter.analysis.decision.cascade import fits_left_out
 from kilter.analysis.decision.open_question import open_pair_names
-from kilter.analysis.gradients.gradient import Gradient
 from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.level_limits import Limits
 from kilter.analysis.margins.make_stand import find_standing, require_standable
@@ -153,9 +152,7 @@ def margin(
         seconds=verdict.seconds,
         **limits,
     )
-    improvements = steps.tried_changes(
-        partial(_gradient, answer), verdict.contact_set, answer.bond_limit
-    )
+    improvements = steps.tried_changes(answer.gradient, verdict.contact_set, answer.bond_limit)
     made = None
     if kinds is not None:
         find = partial(find_standing, kinds=kinds, tilt_deg=stand_tilt_deg, work=steps.work)
@@ -168,18 +165,6 @@ def margin(
         warnings=tuple(steps.warnings),
         seconds=seconds,
     )
-
-
-def _gradient(answer: Margin) -> Gradient:
-    """The gradient of the limit to improve: tilt, or load factor, or least friction.
-
-    Raises `InputError` if none of them is finite.
-    """
-    tilt, factor = answer.tilt, answer.load_limits and answer.load_limits[1]
-    if tilt is not None and tilt.angle < np.pi / 2:
-        return answer.gradient("tilt")
-    finite = factor is not None and np.isfinite(factor.value)
-    return answer.gradient("load factor" if finite else "friction")
 
 
 def _limits(

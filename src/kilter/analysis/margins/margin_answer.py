@@ -167,15 +167,15 @@ class Margin(OfAssembly):
         """
         return make_bundle("margin", margin_proofs(self, options=options or {}))
 
-    def gradient(self, of: str = "tilt", *, part: str | None = None) -> Gradient:
+    def gradient(self, of: str | None = None, *, part: str | None = None) -> Gradient:
         """Derivatives of a limit by positions, masses, friction, loads and shapes of the parts.
 
         The forces and the motion of the limit give them, without a further optimisation.
 
         Parameters
         ----------
-        of : {"tilt", "friction", "load factor", "least load factor", "push", "load"}
-            The limit.
+        of : {"tilt", "friction", "load factor", "least load factor", "push", "load"}, optional
+            The limit; by default the tilt, else the greatest load factor, else the least friction.
         part : str, optional
             The part that is pushed or loaded.
 
@@ -194,6 +194,11 @@ class Margin(OfAssembly):
         >>> [round(float(slope), 4) for slope in gradient.center[1, 2]]  # degrees per metre
         [-22.9183, -22.9183]
         """
+        if of is None:
+            greatest = None if self.load_limits is None else self.load_limits[1]
+            finite = greatest is not None and np.isfinite(greatest.value)
+            tilts = self.tilt is not None and self.tilt.angle < np.pi / 2
+            of = "tilt" if tilts else "load factor" if finite else "friction"
         return gradient_of(self.assembly, self.contacts, limit_cases(self, of, part))
 
     def __repr__(self) -> str:
