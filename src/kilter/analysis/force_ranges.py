@@ -71,6 +71,8 @@ class ForceEnd(Record):
     """No equilibrium has a force beyond this [N]; null if no bound is known."""
     proved: bool
     """Whether value and bound agree, or a squeeze is proved."""
+    evidence: InPython[tuple[ForceProof, Array] | None] = None
+    """Forces that attain the value, and the motion (N, 6) that bounds it, if they are kept."""
 
 
 class ForceRange(Record):
@@ -125,13 +127,17 @@ def force_ranges(
     about: Sequence[tuple[int, ...]],
     along: Array | None = None,
     moment: Array | None = None,
+    *,
+    others: ForceProof | None = None,
 ) -> list[ForceRange]:
     """Compute ranges of the forces between pairs of parts, or on held parts, or of their moments.
 
     Arguments: `about`: two parts, or a single held part, by index; `along`: axis of the force,
     shape (3,); `moment`: axis of the moment on the last part about its centre of mass, shape (3,).
-    Without an axis the normal forces are added. Raises `InputError` if an entry has no contact, or
-    contacts are bonded.
+    Without an axis the normal forces are added. `others`: any equilibrium; with it, each end keeps
+    its evidence, which takes these forces in clusters that do not matter.
+
+    Raises `InputError` if an entry has no contact, or contacts are bonded.
     """
     if program.cohesion.any() or program.pull.any():
         raise InputError("ranges of forces are not computed for bonds", hint="leave the bonds out")
@@ -139,7 +145,7 @@ def force_ranges(
     searches = [EndSearch(cluster.program) for cluster in parted]
     found = []
     for parts in about:
-        of_parts = _rows_of(program, parts)
+        of_parts = rows_between(program, parts)
         if not of_parts.any():
             names = " and ".join(repr(program.names[part]) for part in parts)
             raise InputError(f"{names} have no contact", hint="name two parts that touch")
@@ -150,19 +156,21 @@ def force_ranges(
                 hint="name a part that is free",
             )
         ends, weight = [ForceEnd(value=0.0, bound=0.0, proved=True)] * 2, 0.0
+        kept = None if others is None else [_Kept(program, others) for _ in ends]
         for cluster, search in zip(parted, searches, strict=True):
             rows = of_parts[cluster.rows]
             if rows.any():
-                gain, lever = _gain(cluster.program, rows, parts, along), 1.0
+                gain, lever = gain_of(cluster.program, rows, parts, along, moment), 1.0
                 if moment is not None:
-                    gain = _moment_gain(cluster.program, rows, parts, moment)
                     lever = float(np.abs(gain).max(initial=TINY))
                 size = lever * (1.0 if moment is None else metres_per_unit(program.units))
-                ends = [
-                    added(end, search.end(gain / lever, s), size)
-                    for end, s in zip(ends, (-1, 1), strict=True)
-                ]
+                for side, sense in enumerate((-1, 1)):
+                    ends[side] = added(ends[side], search.end(gain / lever, sense), size)
+                    if kept is not None:
+                        kept[side].add(cluster.rows, search, lever)
                 weight += search.weight * size
+        if kept is not None:
+            ends = [replace(end, evidence=k.evidence) for end, k in zip(ends, kept, strict=True)]
         named = tuple(program.names[part] for part in parts)
         found.append(
             ForceRange(
@@ -173,7 +181,7 @@ def force_ranges(
     return found
 
 
-def _rows_of(program: Program, parts: tuple[int, ...]) -> Mask:
+def rows_between(program: Program, parts: tuple[int, ...]) -> Mask:
     """Mask of the contact rows between two parts, or of all contact rows of a single part."""
     a, b = program.part_a, program.part_b
     if len(parts) == 1:
@@ -184,19 +192,45 @@ def _rows_of(program: Program, parts: tuple[int, ...]) -> Mask:
     return mask
 
 
-def _gain(program: Program, rows: Mask, parts: tuple[int, ...], along: Array | None) -> Array:
-    """Vector of each row whose product with the force on part b of the row is counted, (K, 3)."""
-    if along is None:
+def gain_of(
+    program: Program,
+    rows: Mask,
+    parts: tuple[int, ...],
+    along: Array | None,
+    moment: Array | None,
+) -> Array:
+    """Vector of each row whose product with its force is the value of a range, (K, 3)."""
+    if along is None and moment is None:
         return np.where(rows[:, None], program.normal, 0.0)
     sign = np.where(program.part_b == parts[-1], 1.0, -1.0)
-    return np.where(rows[:, None], sign[:, None] * along, 0.0)
-
-
-def _moment_gain(program: Program, rows: Mask, parts: tuple[int, ...], axis: Array) -> Array:
-    """Vector of each row whose product with its force is the moment on the last part, (K, 3)."""
     arms = program.point - program.center[parts[-1]]
-    sign = np.where(program.part_b == parts[-1], 1.0, -1.0)
-    return np.where(rows[:, None], sign[:, None] * np.cross(axis, arms), 0.0)
+    axis = along if moment is None else np.cross(moment, arms)
+    return np.where(rows[:, None], sign[:, None] * axis, 0.0)
+
+
+class _Kept:
+    """Evidence of an end: forces of all rows and a motion of all parts, cluster by cluster."""
+
+    def __init__(self, program: Program, others: ForceProof) -> None:
+        self.program, self.known = program, True
+        self.forces, self.friction = others.forces.copy(), others.friction.copy()
+        self.motion = np.zeros((len(program.names), 6))
+
+    def add(self, rows: Index, search: EndSearch, lever: float) -> None:
+        """Take the forces and the motion of the last end of a cluster; its gains are over lever."""
+        if search.forces is None or search.rays is None:
+            self.known = False
+            return
+        self.forces[rows], self.friction[rows] = search.forces.forces, search.forces.friction
+        moved = search.rays.motion(search.rays.over_weight(search.multipliers))
+        self.motion[search.program.free] = lever * moved[search.program.free]
+
+    @property
+    def evidence(self) -> tuple[ForceProof, Array] | None:
+        """The forces, checked, and the motion; None if a cluster has no evidence."""
+        if not self.known:
+            return None
+        return check_forces(self.program, self.forces, self.friction), self.motion
 
 
 def added(first: ForceEnd, second: ForceEnd, unit: float = 1.0) -> ForceEnd:

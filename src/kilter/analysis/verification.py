@@ -27,6 +27,7 @@ from kilter.analysis.planning.plan_proof_form import (
     require_lashing_form,
     require_plan_form,
 )
+from kilter.analysis.range_proofs import range_notes, require_range_form, wrong_ranges
 from kilter.analysis.regions.region_check import region_notes, require_region_form, wrong_region
 from kilter.analysis.settled_pose.rest_proof import (
     at_closed_points,
@@ -339,6 +340,7 @@ JUDGES: dict[str, tuple[Callable[..., None], Callable[..., Iterable[str]]]] = {
     "hold": (require_hold_form, wrong_hold),
     "lashing": (require_lashing_form, wrong_lashing),
     "place": (require_place_form, wrong_places),
+    "ranges": (require_range_form, wrong_ranges),
 }
 """For each kind of bundle: the form of its statements, and the reasons why valid proofs do not
 support the statement of the file: a region, limits, a plan, a fixture, a lashing, a map."""
@@ -346,6 +348,7 @@ NOTES: dict[str, Callable[..., Iterable[str]]] = {
     "region": region_notes,
     "margin": limit_notes,
     "transport": limit_notes,
+    "ranges": range_notes,
 }
 """For some kinds of bundle: the statement that was recomputed, in words."""
 

@@ -18,6 +18,7 @@ from kilter.cli.output import (
     emit,
     keep_apart,
     tell_written,
+    write_whole,
     writes_json,
 )
 from kilter.cli.quantities import named_numbers, number_of
@@ -25,7 +26,6 @@ from kilter.errors import InputError, visible
 from kilter.values.declaration import argument, option
 
 if TYPE_CHECKING:
-    from kilter.analysis.force_ranges import ForceRange
     from kilter.analysis.support_movement import SupportMovement
     from kilter.analysis.verdict.verdict import Verdict
 
@@ -72,6 +72,11 @@ class CheckOptions:
         "centre of mass, in N m.",
         FORM,
     )
+    range_proof: Path | None = option(
+        "--range-proof FILE",
+        "With --forces or --between: write proofs of both ends of each range, for kilter verify.",
+        FORM,
+    )
     move: list[str] | None = option(
         "--move NAME=DX,DY,DZ",
         "A held part moves by this small vector [length unit of the file]: how the parts follow, "
@@ -111,13 +116,14 @@ def check(asked: Asked, options: CheckOptions) -> int:
     order for up to 20.
     """
     if len(options.files) > 1:
-        moved = options.move or options.turn_support
+        moved = options.move or options.turn_support or options.range_proof
         single = options.forces or options.between or options.suggest or options.watch or moved
         if asked.proof is not None or single:
             alone = (
                 "--proof"
                 if asked.proof is not None
-                else "--forces, --between, --move, --turn-support, --suggest-joints, --watch"
+                else "--forces, --between, --range-proof, --move, --turn-support, "
+                "--suggest-joints, --watch"
             )
             raise InputError(
                 f"{len(options.files)} files are given", hint=f"give a single file with {alone}"
@@ -136,15 +142,24 @@ def _tell_check(asked: Asked, options: CheckOptions) -> tuple[int, dict[str, Any
     from kilter.tell.tables import forces_table, movement_tables, ranges_table
     from kilter.tell.text import suggestions_text
 
+    question = _range_question(options)
+    asked.apart(options.range_proof)
     verdict, answer = _check_file(asked, options)
     after = asked.keep_proof(None if verdict.evidence is None else verdict.proof, answer)
     if options.suggest:
         joints = suggest_joints(verdict.assembly, verdict.contact_set)
         answer["suggested_joints"] = [joint.to_dict() for joint in joints]
         after = "\n\n" + suggestions_text(answer["suggested_joints"]) + after
-    ranges = _ranges(verdict, options)
+    crowded = bool(verdict.assembly.bonds) or len(verdict.contact_set) > RANGED
+    ranges = None
+    if options.between or (options.forces and not crowded):
+        ranges = verdict.force_ranges(**question)
     if ranges is not None:
         answer["ranges"] = [one.to_dict() for one in ranges]
+    if options.range_proof is not None:
+        proofs = verdict.range_proofs(**question)
+        write_whole(options.range_proof, as_json(proofs))
+        after += f"\nproof file   ranges written to {options.range_proof}"
     movement = _movement(verdict, options)
     if movement is not None:
         answer["movement"] = movement.to_dict()
@@ -156,23 +171,19 @@ def _tell_check(asked: Asked, options: CheckOptions) -> tuple[int, dict[str, Any
     return code_of(answer), answer
 
 
-def _ranges(verdict: Verdict, options: CheckOptions) -> tuple[ForceRange, ...] | None:
-    """The ranges of forces that the options ask for; None if they ask for none.
+def _range_question(options: CheckOptions) -> dict[str, Any]:
+    """Pairs and axes of the ranges that the options ask for; without --between, all pairs.
 
-    Without --between, all pairs are meant, up to `RANGED`.
+    Raises `InputError` if an option of ranges is given without ranges.
     """
-    for name, axis in (("along", options.along), ("moment", options.moment)):
-        if axis is not None and not (options.forces or options.between):
-            raise InputError(f"--{name} needs forces", hint="add --forces, or --between A B")
-    along = None if options.along is None else _axis("along", options.along)
-    moment = None if options.moment is None else _axis("moment", options.moment)
-    if options.between:
-        pairs = [(a,) if b == "all" else (a, b) for a, b in options.between]
-        return verdict.force_ranges(pairs, along, moment)
-    bonded = bool(verdict.assembly.bonds)
-    if not options.forces or bonded or len(verdict.contact_set) > RANGED:
-        return None
-    return verdict.force_ranges(along=along, moment=moment)
+    for name in ("along", "moment", "range_proof"):
+        if getattr(options, name) is not None and not (options.forces or options.between):
+            word = name.replace("_", "-")
+            raise InputError(f"--{word} needs forces", hint="add --forces, or --between A B")
+    axes = {name: getattr(options, name) for name in ("along", "moment")}
+    given = {name: _axis(name, text) for name, text in axes.items() if text is not None}
+    pairs = [(a,) if b == "all" else (a, b) for a, b in options.between or ()]
+    return {"between": pairs or None, **given}
 
 
 def _movement(verdict: Verdict, options: CheckOptions) -> SupportMovement | None:

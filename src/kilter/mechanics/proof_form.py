@@ -224,7 +224,7 @@ CHANGE = optional_keys(
 )
 """Differences from the file for a proof among several."""
 BUNDLE = keys(
-    kind=one_of("region", "margin", "transport", "plan", "hold", "lashing", "place"),
+    kind=one_of("region", "margin", "transport", "plan", "hold", "lashing", "place", "ranges"),
     common=keys(),
     proofs=list_of(
         every(

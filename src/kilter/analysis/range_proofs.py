@@ -1,0 +1,205 @@
+"""Proofs of ranges of contact forces, as a file that is recomputed without a solver.
+
+An end of a range has two sides. The forces of an equilibrium attain its value. A motion p of the
+free parts bounds it: for all forces f that balance the load w,
+
+    c.f = (c + J p).f + w.p <= w.p + sum over rows of f_max (v_n + mu |v_t|)+,  v = c + J p
+
+since forces in Coulomb's cones gain nothing from a v in the polar cones. The sum takes in what the
+motion misses by rounding, for forces up to `MOST` weights of the free parts at each row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.analysis_tolerances import RANGE_AGREES
+from kilter.analysis.force_ranges import MOST, ForceRange, gain_of, rows_between
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.errors import InputError
+from kilter.mechanics.bundle import make_bundle
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
+from kilter.mechanics.proof_form import (
+    NUMBER,
+    SIX,
+    VECTOR,
+    WORD,
+    MalformedProof,
+    keys,
+    list_of,
+    named,
+    nullable,
+    one_of,
+)
+from kilter.mechanics.rows import CONTACT
+from kilter.tell.numbers import number
+from kilter.units import metres_per_unit
+
+Entry = Mapping[str, Any]
+SENSE = {"least": -1, "greatest": 1}
+"""Sign of the value that each end makes as large as possible."""
+FORM = keys(
+    proofs=list_of(
+        keys(
+            about=one_of(*SENSE),
+            parts=list_of(WORD),
+            along=nullable(VECTOR),
+            moment=nullable(VECTOR),
+            value=NUMBER,
+            bound=NUMBER,
+            bounding=named(SIX),
+        )
+    )
+)
+"""Statements of a file of ranges."""
+
+
+def make_range_proofs(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    ranges: Sequence[ForceRange],
+    options: Mapping[str, Any],
+) -> dict[str, Any]:
+    """JSON data of the proofs of all ends that have two sides.
+
+    Arguments: `ranges`: as `force_ranges` computes them with `kept`. Raises `InputError` if no end
+    has both sides: for example if all ranges are without limits.
+    """
+    evidence = Evidence("open") if program.mu.any() else None
+    proofs = []
+    for one in ranges:
+        for about, end in (("least", one.least), ("greatest", one.greatest)):
+            kept = end.evidence
+            if kept is None or end.value is None or end.bound is None:
+                continue
+            forces, motion = kept
+            statement = {
+                "about": about,
+                "parts": list(one.parts),
+                "along": None if one.along is None else one.along.tolist(),
+                "moment": None if one.moment is None else one.moment.tolist(),
+                "value": end.value,
+                "bound": SENSE[about] * bound_of(program, one, motion, SENSE[about]),
+                "bounding": {
+                    name: motion[k].tolist()
+                    for k, name in enumerate(program.names)
+                    if program.free[k]
+                },
+                "change": {},
+            }
+            proof = make_proof(
+                assembly, contacts, program, forces, dict(options), evidence=evidence
+            )
+            proofs.append((statement, proof))
+    if not proofs:
+        raise InputError("no range has a limit, so there is no proof to write")
+    return make_bundle("ranges", proofs)
+
+
+def bound_of(program: Program, about: ForceRange | Entry, motion: Array, sense: int) -> float:
+    """Upper bound of `sense` times a force [N] or moment [N m] by a motion (N, 6) of free parts."""
+    gain, unit = _gain(program, about)
+    rows = np.arange(len(program.part_a))
+    contact = program.kind == CONTACT
+    along = program.velocities(motion) + sense * np.einsum("ki,ki->k", gain, program.normal)
+    across = program.slips(motion, rows)
+    across = across + sense * (
+        gain - np.einsum("ki,ki->k", gain, program.normal)[:, None] * program.normal
+    )
+    slip = np.where(contact, np.linalg.norm(across, axis=1), 0.0)
+    missed = np.where(program.two_sided, np.abs(along), np.maximum(along + program.mu * slip, 0.0))
+    most = MOST * float(program.weight[program.free].sum())
+    power = float((program.load * motion)[program.free].sum())
+    return unit * (power + most * float((missed * program.arm).sum()))
+
+
+def _gain(program: Program, about: ForceRange | Entry) -> tuple[Array, float]:
+    """Vector of each row whose product with its force counts, (K, 3), and its unit [N or N m]."""
+    data = about.to_dict() if isinstance(about, ForceRange) else about
+    parts = tuple(program.names.index(name) for name in data["parts"])
+    along, moment = (
+        None if data[key] is None else np.array(data[key]) for key in ("along", "moment")
+    )
+    gain = gain_of(program, rows_between(program, parts), parts, along, moment)
+    return gain, 1.0 if moment is None else metres_per_unit(program.units)
+
+
+def require_range_form(bundle: Entry, names: Sequence[str]) -> None:
+    """Reject ranges in a proof file if an entry has a wrong key or type, or an unknown part.
+
+    Raises `MalformedProof` with the first key that is wrong.
+    """
+    if fault := FORM(bundle, ""):
+        raise MalformedProof(fault)
+    for number_of, entry in enumerate(bundle["proofs"]):
+        unknown = {*entry["parts"], *entry["bounding"]} - set(names)
+        if unknown or not 1 <= len(entry["parts"]) <= 2:
+            raise MalformedProof(f"proofs[{number_of}].parts")
+
+
+def wrong_ranges(
+    assembly: Assembly, contacts: ContactSet, bundle: Entry, verdicts: Sequence[str]
+) -> Iterator[str]:
+    """Yield the reasons why forces and motions do not prove the stated ends of ranges."""
+    program = build_program(assembly, contacts)
+    weight = float(program.weight[program.free].sum())
+    for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
+        name, sense = f"{entry['about']} of {' - '.join(entry['parts'])}", SENSE[entry["about"]]
+        gain, unit = _gain(program, entry)
+        near = RANGE_AGREES * weight * unit * max(float(np.abs(gain).max(initial=0.0)), 1.0)
+        if verdict == "unstable" or entry["change"]:
+            yield f"{name}: its forces are not those of the assembly"
+            continue
+        value = _value_of_forces(program, entry, bundle["common"]["points"])
+        if abs(value - entry["value"]) > near:
+            yield f"{name}: its forces have the value {number(value)}, not {entry['value']:.6g}"
+        motion = np.zeros((len(program.names), 6))
+        for part, twist in entry["bounding"].items():
+            motion[program.names.index(part)] = twist
+        motion[~program.free] = 0.0
+        bound = sense * bound_of(program, entry, motion, sense)
+        if sense * (bound - entry["bound"]) > near:
+            yield f"{name}: its motion bounds the force by {number(bound)} only"
+
+
+def _value_of_forces(program: Program, entry: Entry, points: Sequence[Entry]) -> float:
+    """The force [N] or moment [N m] that the contact forces of an entry add up to."""
+    parts, total = entry["parts"], 0.0
+    centre = program.center[program.names.index(parts[-1])]
+    for point, force in zip(points, np.asarray(entry["proof"]["forces"]), strict=True):
+        if not set(parts) <= set(point["parts"]):
+            continue
+        on_last = 1.0 if point["parts"][1] == parts[-1] else -1.0
+        if entry["moment"] is not None:
+            turned = np.cross(np.asarray(point["x"]) - centre, force)
+            total += on_last * float(turned @ entry["moment"]) * metres_per_unit(program.units)
+        elif entry["along"] is not None:
+            total += on_last * float(force @ entry["along"])
+        else:
+            total += float(force @ point["normal"])
+    return total
+
+
+def range_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iterator[str]:
+    """Yield each end in words: the value that forces attain, and the bound of its motion."""
+    for entry in bundle["proofs"]:
+        unit = "N" if entry["moment"] is None else "N m"
+        value, bound = (f"{number(entry[side], 8)} {unit}" for side in ("value", "bound"))
+        name = f"{entry['about']} of {' - '.join(entry['parts'])}"
+        yield f"{name}: {value}, and no forces up to {MOST:g} weights at a point pass {bound}"
+
+
+def require_provable(rest_gap: float | None) -> None:
+    """Raise `InputError` for a pose at rest that was found: its ranges have no proof file."""
+    if rest_gap is not None:
+        raise InputError(
+            "ranges of forces in a pose at rest have no proof file",
+            hint="ask about the drawn pose: --assume drawn",
+        )
