@@ -1,4 +1,4 @@
-"""Write docs/reference/sources.md from `tests/second_sources.toml`.
+"""Write docs/contributing/sources.md from `tests/second_sources.toml`.
 
 python docs/build_second_sources.py
 
@@ -19,7 +19,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 SCHEMAS = ROOT / "src/kilter/files/schemas"
 TABLE = ROOT / "tests/second_sources.toml"
-PAGE = ROOT / "docs/reference/sources.md"
+PAGE = ROOT / "docs/contributing/sources.md"
 INPUTS = ("assembly", "choices")
 """Schemas that are not those of answers."""
 HEAD = """# How do we know?

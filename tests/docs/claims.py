@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-GENERATED = {"sources.md", "options.md"}
+GENERATED = {"options.md"}
 """Pages that programs write from tests and code."""
 ABSOLUTE = r"\b(?:always|never|at most|the same|cannot)\b"
 NUMBER = r"\d\s?(?:s|ms|seconds?|minutes?|hours?|[kMG]B|bytes)\b(?!\^|²)|hundredth of a second"
