@@ -32,7 +32,7 @@ To first order each of these assemblies stands, and the rolling cases stand by f
 equilibrium exist, and no motion gains energy at once. The result of second order is known for
 each case, from a closed form or by hand. The tests compare kilter on both sides of every limit.
 `python docs/build_known_answers.py` computes this page.
-The [theory](../explanation/theory.md) has the proofs,
+The [theory](methods/theory.md) has the proofs,
 the [glossary](../reference/glossary.md) defines the words.
 
 The cases are in `tests/scenes/balance_cases.py`. Their contacts are given with their
@@ -74,7 +74,7 @@ With friction, and without slip, these assemblies roll. *Holds* means that a par
 *falls* that it rolls off. If all contacts lie at a single point of a plane, the case is also
 examined in that plane, in which rolling has a single dimension. In space, a part that rolls in a
 circle may come back shifted. If no energy bounds the sum of these shifts, the answer is *open*
-([theory](../explanation/theory.md)).
+([theory](methods/theory.md)).
 A state that is a minimum or free without friction also holds with friction.
 
 {cards}
