@@ -423,3 +423,17 @@ def test_the_command(tmp_path, capsys):
     data = json.loads(capsys.readouterr().out)
     assert (data["verdict"], data["least"], data["straps"]) == ("impossible", 2, [])
     assert np.isfinite(data["seconds"]["solve"])
+
+
+def test_a_load_without_a_floor_is_told_to_get_one(tmp_path, capsys):
+    """No strap helps in free fall, so that the next step is the missing floor."""
+    load, straps = tmp_path / "load.csv", tmp_path / "straps.json"
+    load.write_text("name,length,width,height,mass,x,y,z\nbox,1,1,1,50,0,0,0\n", "utf-8")
+    ends = [["ground", [0.5, -0.5, 0]], ["box", [0.5, 0, 1]], ["box", [0.5, 1, 1]]]
+    path = [*ends, ["ground", [0.5, 1.5, 0]]]
+    straps.write_text(json.dumps([{"name": "s", "tension": 2000, "path": path}]))
+    words = ["hold", str(load), "--straps", str(straps), "--code", "en12195"]
+    assert main(words) == 1
+    assert "--code en12195 --floor" in capsys.readouterr().out
+    assert main([*words, "--floor", "--friction", "0.6"]) in (0, 3)
+    assert "--floor\n" not in capsys.readouterr().out

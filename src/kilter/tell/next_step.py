@@ -111,6 +111,9 @@ def next_step(
         shown = NextStep(("plan", "-o", f"{name}.html"), "writes a page that plays the steps")
         return shown if answer["found"] else None
     if kind == "hold":
+        if answer["verdict"] == "impossible" and not answer["base"]:
+            code = ("--code", answer["code"]) if answer["code"] else ()
+            return NextStep(("hold", *code, "--floor"), "puts a floor under it; nothing is held")
         return PLAN if answer["verdict"] == "held" and answer["straps"] is None else None
     if kind == "contacts":
         return CHECK
