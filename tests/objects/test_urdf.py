@@ -548,7 +548,6 @@ def test_a_kilter_file_keeps_limits_friction_and_springs(tmp_path):
         ("orient", "orient leaves out the friction and springs of 1 joint"),
         ("plan", "plan leaves out the friction and springs of 1 joint"),
         ("hold", "hold leaves out the friction and springs of 1 joint"),
-        ("settle", "settle leaves out the friction, springs and limits of 1 joint"),
     ],
 )
 def test_commands_without_joint_forces_say_so(verb, words):
