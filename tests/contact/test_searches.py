@@ -261,7 +261,26 @@ def changed(assembly: Assembly, kept: KeptContacts, rng: random.Random) -> Assem
     return other
 
 
-def compare(assembly: Assembly, seed: int) -> int:
+def require_same_points(kept: ContactSet, new: ContactSet) -> None:
+    """Equal patches up to rounding, and up to the order of the points.
+
+    Equal pairs of CAD bodies are searched once. Which pair is searched depends on the held parts,
+    so that the points of a copy begin elsewhere.
+    """
+    kept_data, new_data = (json.loads(written(found))[0] for found in (kept, new))
+    assert kept_data["unsupported"] == new_data["unsupported"]
+    assert len(kept_data["patches"]) == len(new_data["patches"])
+    for a, b in zip(kept_data["patches"], new_data["patches"], strict=True):
+        assert (a["parts"], a["kind"], a["mu"]) == (b["parts"], b["kind"], b["mu"])
+        first, second = np.array(a["points"]), np.array(b["points"])
+        assert first.shape == second.shape
+        assert a["area"] == pytest.approx(b["area"], rel=1e-9)
+        apart = np.linalg.norm(first[:, None] - second, axis=2)
+        near = 1e-11 * np.abs(first).max()
+        assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) <= near
+
+
+def compare(assembly: Assembly, seed: int, *, exactly: bool = True) -> int:
     """Compare kept with new contacts for random changes; return the number of comparisons."""
     rng = random.Random(seed)
     tolerance = assembly.tolerance or Tolerance()
@@ -276,7 +295,10 @@ def compare(assembly: Assembly, seed: int) -> int:
         if not kept.serves(other, tolerance):
             continue
         new = detect.contacts(other, tolerance=tolerance)
-        assert written(kept.contacts(other)) == written(new)
+        if exactly:
+            assert written(kept.contacts(other)) == written(new)
+        else:
+            require_same_points(kept.contacts(other), new)
         compared += 1
     return compared
 
@@ -302,7 +324,7 @@ FILES = ("cax-if/as1-oc-214.stp", "cax-if/dm1-id-214.stp", "cad/flange_coupling.
 def test_kept_contacts_of_cad(name):
     if not (DATA / name).exists():
         pytest.skip("../shared/data is not here")
-    assert compare(kilter.load(DATA / name), 3) > 0
+    assert compare(kilter.load(DATA / name), 3, exactly=False) > 0
 
 
 def test_another_shape_pose_tolerance_or_free_part_is_not_served():
