@@ -34,6 +34,8 @@ def test_both_ends_are_recomputed(assembly, about, axis):
     assert stated == [("least", found.least.value), ("greatest", found.greatest.value)]
     result = kilter.verify(assembly, data)
     assert (result.holds, result.verdict) == (True, "ranges")
+    words = {"along": " along (", "moment": " about ("}
+    assert all(words[key] in note for key in axis for note in result.notes[:2])
     assert sum("no forces up to 100 weights at a point pass" in note for note in result.notes) == 2
 
 
@@ -61,6 +63,14 @@ def name_another_axis(entry):
     entry["along"] = [1.0, 0.0, 0.0]
 
 
+def name_a_longer_axis(entry):
+    entry["along"] = [0.0, 0.0, 2.0]
+
+
+def name_two_axes(entry):
+    entry["along"], entry["moment"] = [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]
+
+
 @pytest.mark.parametrize(
     ("forge", "reason"),
     [
@@ -70,6 +80,8 @@ def name_another_axis(entry):
         (leave_motion_out, "its motion bounds the force by"),
         (name_another_pair, "its forces have the value"),
         (name_another_axis, "its forces have the value"),
+        (name_a_longer_axis, "its axis is not a single unit vector"),
+        (name_two_axes, "its axis is not a single unit vector"),
     ],
 )
 def test_a_changed_statement_is_refused(forge, reason):

@@ -38,10 +38,12 @@ from kilter.mechanics.proof_form import (
     one_of,
 )
 from kilter.mechanics.rows import CONTACT
-from kilter.tell.numbers import number
+from kilter.tell.numbers import number, vector
 from kilter.units import metres_per_unit
 
 Entry = Mapping[str, Any]
+UNIT = 1e-9
+"""Largest error of the length of an axis [-]."""
 SENSE = {"least": -1, "greatest": 1}
 """Sign of the value that each end makes as large as possible."""
 FORM = keys(
@@ -154,6 +156,9 @@ def wrong_ranges(
         name, sense = f"{entry['about']} of {' - '.join(entry['parts'])}", SENSE[entry["about"]]
         gain, unit = _gain(program, entry)
         near = RANGE_AGREES * weight * unit * max(float(np.abs(gain).max(initial=0.0)), 1.0)
+        axes = [entry[key] for key in ("along", "moment") if entry[key] is not None]
+        if len(axes) > 1 or any(abs(np.linalg.norm(axis) - 1) > UNIT for axis in axes):
+            yield f"{name}: its axis is not a single unit vector"
         if verdict == "unstable" or entry["change"]:
             yield f"{name}: its forces are not those of the assembly"
             continue
@@ -192,7 +197,9 @@ def range_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iter
     for entry in bundle["proofs"]:
         unit = "N" if entry["moment"] is None else "N m"
         value, bound = (f"{number(entry[side], 8)} {unit}" for side in ("value", "bound"))
-        name = f"{entry['about']} of {' - '.join(entry['parts'])}"
+        words = {"along": "along", "moment": "about"}
+        axis = [f" {word} {vector(entry[key], 3)}" for key, word in words.items() if entry[key]]
+        name = f"{entry['about']} of {' - '.join(entry['parts'])}{''.join(axis)}"
         yield f"{name}: {value}, and no forces up to {MOST:g} weights at a point pass {bound}"
 
 
