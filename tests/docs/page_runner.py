@@ -42,7 +42,7 @@ def pages() -> list[Path]:
 
 @dataclass
 class Counts:
-    """What a page contains."""
+    """Commands, blocks and answers of a page."""
 
     commands: int = 0
     blocks: int = 0

@@ -61,6 +61,18 @@ SQUEEZED = 1e-6
 """Least gain of a squeeze, whose largest force is 1 [-]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class EndEvidence:
+    """Evidence of an end in a cluster: forces that attain it, and a motion that bounds it."""
+
+    rows: Index
+    """Rows of the cluster in the program of the assembly, shape (k,)."""
+    forces: ForceProof
+    """Forces of these rows."""
+    motion: Array
+    """Motion of all parts; parts outside of the cluster rest, shape (N, 6)."""
+
+
 class ForceEnd(Record):
     """An end of a range: the value that checked forces attain, and a bound that none passes."""
 
@@ -71,8 +83,8 @@ class ForceEnd(Record):
     """No equilibrium has a force beyond this [N]; null if no bound is known."""
     proved: bool
     """Whether value and bound agree, or a squeeze is proved."""
-    evidence: InPython[tuple[ForceProof, Array] | None] = None
-    """Forces that attain the value, and the motion (N, 6) that bounds it, if they are kept."""
+    evidence: InPython[tuple[EndEvidence, ...] | None] = None
+    """Evidence of each cluster that matters; None if there is none."""
 
 
 class ForceRange(Record):
@@ -127,15 +139,12 @@ def force_ranges(
     about: Sequence[tuple[int, ...]],
     along: Array | None = None,
     moment: Array | None = None,
-    *,
-    others: ForceProof | None = None,
 ) -> list[ForceRange]:
     """Compute ranges of the forces between pairs of parts, or on held parts, or of their moments.
 
     Arguments: `about`: two parts, or a single held part, by index; `along`: axis of the force,
     shape (3,); `moment`: axis of the moment on the last part about its centre of mass, shape (3,).
-    Without an axis the normal forces are added. `others`: any equilibrium; with it, each end keeps
-    its evidence, which takes these forces in clusters that do not matter.
+    Without an axis the normal forces are added. Each end keeps its evidence.
 
     Raises `InputError` if an entry has no contact, or contacts are bonded.
     """
@@ -156,7 +165,7 @@ def force_ranges(
                 hint="name a part that is free",
             )
         ends, weight = [ForceEnd(value=0.0, bound=0.0, proved=True)] * 2, 0.0
-        kept = None if others is None else [_Kept(program, others) for _ in ends]
+        pieces: tuple[list[EndEvidence | None], ...] = ([], [])
         for cluster, search in zip(parted, searches, strict=True):
             rows = of_parts[cluster.rows]
             if rows.any():
@@ -166,11 +175,12 @@ def force_ranges(
                 size = lever * (1.0 if moment is None else metres_per_unit(program.units))
                 for side, sense in enumerate((-1, 1)):
                     ends[side] = added(ends[side], search.end(gain / lever, sense), size)
-                    if kept is not None:
-                        kept[side].add(cluster.rows, search, lever)
+                    pieces[side].append(search.evidence(cluster.rows, lever))
                 weight += search.weight * size
-        if kept is not None:
-            ends = [replace(end, evidence=k.evidence) for end, k in zip(ends, kept, strict=True)]
+        ends = [
+            replace(end, evidence=None if None in of_end else tuple(filter(None, of_end)))
+            for end, of_end in zip(ends, pieces, strict=True)
+        ]
         named = tuple(program.names[part] for part in parts)
         found.append(
             ForceRange(
@@ -206,31 +216,6 @@ def gain_of(
     arms = program.point - program.center[parts[-1]]
     axis = along if moment is None else np.cross(moment, arms)
     return np.where(rows[:, None], sign[:, None] * axis, 0.0)
-
-
-class _Kept:
-    """Evidence of an end: forces of all rows and a motion of all parts, cluster by cluster."""
-
-    def __init__(self, program: Program, others: ForceProof) -> None:
-        self.program, self.known = program, True
-        self.forces, self.friction = others.forces.copy(), others.friction.copy()
-        self.motion = np.zeros((len(program.names), 6))
-
-    def add(self, rows: Index, search: EndSearch, lever: float) -> None:
-        """Take the forces and the motion of the last end of a cluster; its gains are over lever."""
-        if search.forces is None or search.rays is None:
-            self.known = False
-            return
-        self.forces[rows], self.friction[rows] = search.forces.forces, search.forces.friction
-        moved = search.rays.motion(search.rays.over_weight(search.multipliers))
-        self.motion[search.program.free] = lever * moved[search.program.free]
-
-    @property
-    def evidence(self) -> tuple[ForceProof, Array] | None:
-        """The forces, checked, and the motion; None if a cluster has no evidence."""
-        if not self.known:
-            return None
-        return check_forces(self.program, self.forces, self.friction), self.motion
 
 
 def added(first: ForceEnd, second: ForceEnd, unit: float = 1.0) -> ForceEnd:
@@ -294,6 +279,18 @@ class EndSearch:
             bound=sense * bound if np.isfinite(bound) else None,
             proved=bool(bound - value <= RANGE_AGREES * self.weight),
         )
+
+    def evidence(self, rows: Index, lever: float) -> EndEvidence | None:
+        """Evidence of the last end, whose gain was over `lever`; `rows` (k,): rows of the cluster.
+
+        Returns None for an end without a limit, or without a solution.
+        """
+        if self.forces is None or self.rays is None:
+            return None
+        motion = np.zeros((len(self.program.names), 6))
+        moved = self.rays.motion(self.rays.over_weight(self.multipliers))
+        motion[self.program.free] = lever * moved[self.program.free]
+        return EndEvidence(rows, self.forces, motion)
 
     def _pyramids(self, outer: bool, guesses: list[Array]) -> _Pyramids:
         """Programs with pyramids at even angles and at guesses; those without guesses are kept."""

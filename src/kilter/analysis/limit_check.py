@@ -29,7 +29,6 @@ from kilter.mechanics.proof_form import (
     FLAG,
     NUMBER,
     VECTOR,
-    MalformedProof,
     every,
     keys,
     list_of,
@@ -38,7 +37,7 @@ from kilter.mechanics.proof_form import (
 from kilter.tell.numbers import number
 
 Entry = Mapping[str, Any]
-FORM = keys(
+LIMITS = keys(
     proofs=list_of(
         every(
             keys(value=NUMBER, held=FLAG),
@@ -57,15 +56,6 @@ TILTS = ("tilt", ABOUT, "nearest held")
 """Limits of a turn of gravity."""
 FALLING = ("friction", "bond", "nearest held", "least load factor")
 """Limits below which the assembly falls; above all others it falls."""
-
-
-def require_limit_form(bundle: Entry, names: Sequence[str]) -> None:
-    """Reject limits in a proof file if an entry has a wrong key or type.
-
-    Raises `MalformedProof` with the first key that is missing or of another kind.
-    """
-    if fault := FORM(bundle, ""):
-        raise MalformedProof(fault)
 
 
 def wrong_limits(

@@ -17,27 +17,28 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.force_ranges import MOST, ForceRange, gain_of, rows_between
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
+from kilter.mechanics.certificate import check_forces
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.mechanics.proof_form import (
     NUMBER,
     SIX,
     VECTOR,
-    WORD,
-    MalformedProof,
+    every,
     keys,
     list_of,
     named,
     nullable,
     one_of,
+    require,
 )
-from kilter.mechanics.rows import CONTACT
 from kilter.tell.numbers import number, vector
 from kilter.units import metres_per_unit
 
@@ -46,88 +47,78 @@ UNIT = 1e-9
 """Largest error of the length of an axis [-]."""
 SENSE = {"least": -1, "greatest": 1}
 """Sign of the value that each end makes as large as possible."""
+ABOUT = ("parts", "along", "moment")
+"""Keys of an entry that state its force or moment."""
 FORM = keys(
-    proofs=list_of(
-        keys(
-            about=one_of(*SENSE),
-            parts=list_of(WORD),
-            along=nullable(VECTOR),
-            moment=nullable(VECTOR),
-            value=NUMBER,
-            bound=NUMBER,
-            bounding=named(SIX),
-        )
-    )
+    about=one_of(*SENSE),
+    along=nullable(VECTOR),
+    moment=nullable(VECTOR),
+    value=NUMBER,
+    bound=NUMBER,
+    bounding=named(SIX),
 )
-"""Statements of a file of ranges."""
+"""Keys of an entry in a file of ranges; its parts depend on the assembly."""
 
 
 def make_range_proofs(
     assembly: Assembly,
     contacts: ContactSet,
-    program: Program,
     ranges: Sequence[ForceRange],
     options: Mapping[str, Any],
 ) -> dict[str, Any]:
     """JSON data of the proofs of all ends that have two sides.
 
-    Arguments: `ranges`: as `force_ranges` computes them with `kept`. Raises `InputError` if no end
-    has both sides: for example if all ranges are without limits.
+    Raises `InputError` if no end has both sides: for example if all ranges are without limits.
     """
+    program = build_program(assembly, contacts)
     evidence = Evidence("open") if program.mu.any() else None
-    proofs = []
-    for one in ranges:
-        for about, end in (("least", one.least), ("greatest", one.greatest)):
-            kept = end.evidence
-            if kept is None or end.value is None or end.bound is None:
-                continue
-            forces, motion = kept
-            statement = {
-                "about": about,
-                "parts": list(one.parts),
-                "along": None if one.along is None else one.along.tolist(),
-                "moment": None if one.moment is None else one.moment.tolist(),
-                "value": end.value,
-                "bound": SENSE[about] * bound_of(program, one, motion, SENSE[about]),
-                "bounding": {
-                    name: motion[k].tolist()
-                    for k, name in enumerate(program.names)
-                    if program.free[k]
-                },
-                "change": {},
-            }
-            proof = make_proof(
-                assembly, contacts, program, forces, dict(options), evidence=evidence
-            )
-            proofs.append((statement, proof))
+    others, proofs = judge(program).forces, []
+    ends = [(one, word, getattr(one, word)) for one in ranges for word in SENSE]
+    for one, word, end in ends:
+        if others is None or end.evidence is None or end.value is None or end.bound is None:
+            continue
+        forces, friction = others.forces.copy(), others.friction.copy()
+        motion = np.zeros((len(program.names), 6))
+        for piece in end.evidence:
+            forces[piece.rows], friction[piece.rows] = piece.forces.forces, piece.forces.friction
+            motion += piece.motion
+        statement = {
+            "about": word,
+            **{key: value for key, value in one.to_dict().items() if key in ABOUT},
+            "value": end.value,
+            "bounding": {
+                name: motion[k].tolist() for k, name in enumerate(program.names) if program.free[k]
+            },
+            "change": {},
+        }
+        statement["bound"] = bound_of(program, statement, motion)
+        proof = check_forces(program, forces, friction)
+        made = make_proof(assembly, contacts, program, proof, dict(options), evidence=evidence)
+        proofs.append((statement, made))
     if not proofs:
         raise InputError("no range has a limit, so there is no proof to write")
     return make_bundle("ranges", proofs)
 
 
-def bound_of(program: Program, about: ForceRange | Entry, motion: Array, sense: int) -> float:
-    """Upper bound of `sense` times a force [N] or moment [N m] by a motion (N, 6) of free parts."""
-    gain, unit = _gain(program, about)
-    rows = np.arange(len(program.part_a))
-    contact = program.kind == CONTACT
-    along = program.velocities(motion) + sense * np.einsum("ki,ki->k", gain, program.normal)
-    across = program.slips(motion, rows)
-    across = across + sense * (
-        gain - np.einsum("ki,ki->k", gain, program.normal)[:, None] * program.normal
-    )
-    slip = np.where(contact, np.linalg.norm(across, axis=1), 0.0)
-    missed = np.where(program.two_sided, np.abs(along), np.maximum(along + program.mu * slip, 0.0))
+def bound_of(program: Program, entry: Entry, motion: Array) -> float:
+    """The bound of the end [N or N m] that an entry states, by a motion (N, 6) of free parts."""
+    sense, (gain, unit) = SENSE[entry["about"]], _gain(program, entry)
+    along = np.einsum("ki,ki->k", gain, program.normal)
+    across = gain - along[:, None] * program.normal
+    opens = program.velocities(motion) + sense * along
+    slips = program.slips(motion, np.arange(len(gain))) + sense * across
+    rubs = program.mu * np.linalg.norm(slips, axis=1)
+    missed = np.where(program.two_sided, np.abs(opens), np.maximum(opens + rubs, 0.0))
     most = MOST * float(program.weight[program.free].sum())
     power = float((program.load * motion)[program.free].sum())
-    return unit * (power + most * float((missed * program.arm).sum()))
+    return sense * unit * (power + most * float((missed * program.arm).sum()))
 
 
-def _gain(program: Program, about: ForceRange | Entry) -> tuple[Array, float]:
+def _gain(program: Program, entry: Entry) -> tuple[Array, float]:
     """Vector of each row whose product with its force counts, (K, 3), and its unit [N or N m]."""
-    data = about.to_dict() if isinstance(about, ForceRange) else about
-    parts = tuple(program.names.index(name) for name in data["parts"])
+    parts = tuple(program.names.index(name) for name in entry["parts"])
     along, moment = (
-        None if data[key] is None else np.array(data[key]) for key in ("along", "moment")
+        None if entry[key] is None else np.array(entry[key]) for key in ("along", "moment")
     )
     gain = gain_of(program, rows_between(program, parts), parts, along, moment)
     return gain, 1.0 if moment is None else metres_per_unit(program.units)
@@ -138,12 +129,12 @@ def require_range_form(bundle: Entry, names: Sequence[str]) -> None:
 
     Raises `MalformedProof` with the first key that is wrong.
     """
-    if fault := FORM(bundle, ""):
-        raise MalformedProof(fault)
-    for number_of, entry in enumerate(bundle["proofs"]):
-        unknown = {*entry["parts"], *entry["bounding"]} - set(names)
-        if unknown or not 1 <= len(entry["parts"]) <= 2:
-            raise MalformedProof(f"proofs[{number_of}].parts")
+
+    def parts(value: Any, place: str) -> str:
+        two = isinstance(value, list) and len(value) == 2
+        return list_of(one_of(*names), 2 if two else 1)(value, place)
+
+    require(keys(proofs=list_of(every(FORM, keys(parts=parts)))), bundle)
 
 
 def wrong_ranges(
@@ -166,10 +157,9 @@ def wrong_ranges(
         if abs(value - entry["value"]) > near:
             yield f"{name}: its forces have the value {number(value)}, not {entry['value']:.6g}"
         motion = np.zeros((len(program.names), 6))
-        for part, twist in entry["bounding"].items():
-            motion[program.names.index(part)] = twist
-        motion[~program.free] = 0.0
-        bound = sense * bound_of(program, entry, motion, sense)
+        for k in np.flatnonzero(program.free).tolist():
+            motion[k] = entry["bounding"].get(program.names[k], 0.0)
+        bound = bound_of(program, entry, motion)
         if sense * (bound - entry["bound"]) > near:
             yield f"{name}: its motion bounds the force by {number(bound)} only"
 
@@ -201,12 +191,3 @@ def range_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iter
         axis = [f" {word} {vector(entry[key], 3)}" for key, word in words.items() if entry[key]]
         name = f"{entry['about']} of {' - '.join(entry['parts'])}{''.join(axis)}"
         yield f"{name}: {value}, and no forces up to {MOST:g} weights at a point pass {bound}"
-
-
-def require_provable(rest_gap: float | None) -> None:
-    """Raise `InputError` for a pose at rest that was found: its ranges have no proof file."""
-    if rest_gap is not None:
-        raise InputError(
-            "ranges of forces in a pose at rest have no proof file",
-            hint="ask about the drawn pose: --assume drawn",
-        )

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from kilter.analysis.assumptions.proved_poses import at_poses
-from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
+from kilter.analysis.limit_check import LIMITS, limit_notes, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold, wrong_lashing
 from kilter.analysis.planning.order.order_check import wrong_order
@@ -28,7 +28,7 @@ from kilter.analysis.planning.plan_proof_form import (
     require_plan_form,
 )
 from kilter.analysis.range_proofs import range_notes, require_range_form, wrong_ranges
-from kilter.analysis.regions.region_check import region_notes, require_region_form, wrong_region
+from kilter.analysis.regions.region_check import REGION, region_notes, wrong_region
 from kilter.analysis.settled_pose.rest_proof import (
     at_closed_points,
     is_proof_of_rest,
@@ -50,7 +50,7 @@ from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subje
 from kilter.mechanics.bundle_changes import restored
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
-from kilter.mechanics.proof_form import MalformedProof, require_form
+from kilter.mechanics.proof_form import Form, MalformedProof, require, require_form
 from kilter.mechanics.recheck import proof_forces, recheck
 from kilter.second_order.proofs.push_recheck import rests_without_friction, wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
@@ -332,10 +332,15 @@ def verify_bundle(
     )
 
 
+def _of_form(form: Form) -> Callable[[Mapping[str, Any], Sequence[str]], None]:
+    """Function that rejects statements of another form, whatever the names of the parts are."""
+    return lambda bundle, names: require(form, bundle)
+
+
 JUDGES: dict[str, tuple[Callable[..., None], Callable[..., Iterable[str]]]] = {
-    "region": (require_region_form, wrong_region),
-    "margin": (require_limit_form, wrong_limits),
-    "transport": (require_limit_form, wrong_limits),
+    "region": (_of_form(REGION), wrong_region),
+    "margin": (_of_form(LIMITS), wrong_limits),
+    "transport": (_of_form(LIMITS), wrong_limits),
     "plan": (require_plan_form, wrong_order),
     "hold": (require_hold_form, wrong_hold),
     "lashing": (require_lashing_form, wrong_lashing),

@@ -29,6 +29,8 @@ from kilter.shape.primitives import Box
 from kilter.validate import number
 from kilter.values.value import Value
 
+FLOOR = "floor"
+"""Name of an added floor, if no part has it."""
 SPACIOUS = 4.0
 """Width of the floor [widths of the parts together]."""
 THICK = 0.25
@@ -268,7 +270,7 @@ class ChangedCopies(Value):
         middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
         thick = THICK * size
         center = middle + up * (lowest - thick / 2 - middle @ up)
-        name = "floor"
+        name = FLOOR
         while name in self.index:
             name += "_"
         table = Part(

@@ -157,8 +157,12 @@ def _tell_check(asked: Asked, options: CheckOptions) -> tuple[int, dict[str, Any
     if ranges is not None:
         answer["ranges"] = [one.to_dict() for one in ranges]
     if options.range_proof is not None:
-        proofs = verdict.range_proofs(**question)
-        write_whole(options.range_proof, as_json(proofs))
+        if ranges is None:
+            raise InputError(
+                f"--forces has no ranges for bonds, or more than {RANGED} pairs",
+                hint="name pairs with --between A B",
+            )
+        write_whole(options.range_proof, as_json(verdict.range_proofs(ranges)))
         after += f"\nproof file   ranges written to {options.range_proof}"
     movement = _movement(verdict, options)
     if movement is not None:

@@ -17,6 +17,7 @@ from typing import Any
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import valid_rung
 from kilter.assembly.bricks import StudRules
+from kilter.assembly.changed_copies import FLOOR
 from kilter.assembly.question import LOWEST, holding, on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.file_content import FileContent, read_path
@@ -96,7 +97,7 @@ class Reading(ReadingOptions):
 
     def without_off(self) -> Reading:
         """The reading whose `off` has only the floor, which is then not assumed either."""
-        off = ("floor",) if "floor" in self.off else ()
+        off = (FLOOR,) if "floor" in self.off else ()
         return dataclasses.replace(self, off=off)
 
     @property

@@ -236,6 +236,12 @@ BUNDLE = keys(
 """Keys of a file of several proofs."""
 
 
+def require(form: Form, data: Any) -> None:
+    """Raise `MalformedProof` with the first fault of the data of a proof, if there is one."""
+    if fault := form(data, ""):
+        raise MalformedProof(fault)
+
+
 def require_form(proof: Any) -> None:
     """Raise an error if JSON data do not have the form of a proof.
 

@@ -10,7 +10,13 @@ import numpy as np
 
 from kilter.assembly.question import Question, question
 from kilter.errors import InputError
-from kilter.publish.films import changed_subject, path_of, require_figure, require_steps
+from kilter.publish.films import (
+    changed_subject,
+    is_drawn_answer,
+    path_of,
+    require_figure,
+    require_steps,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -193,27 +199,21 @@ def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
     from kilter.analysis.margins.margin import margin
-    from kilter.analysis.margins.margin_answer import Margin
-    from kilter.analysis.placing.place import Places
-    from kilter.analysis.planning.order.order import Order
-    from kilter.analysis.regions.region import Region, region
-    from kilter.analysis.settled_pose.settle import Settled
-    from kilter.analysis.transport.transport_answer import Transport
-    from kilter.analysis.verdict.verdict import Verdict
+    from kilter.analysis.regions.region import region
     from kilter.assembly.assembly import require_assembly
 
-    if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places | Margin):
+    if is_drawn_answer(subject):
         return subject
     require_assembly(subject, "draw")
     left = asked.seconds_left
     asked = asked.within(None if left is None else max(left - DRAWING, left / 2))
-    asked = asked.but(assembly=subject, verb="check")  # so that the assumption of the file counts
+    asked = asked.but(assembly=subject)
     if what == "region":
-        return region(asked.but(verb=""))
+        return region(asked)
     if what == "changes":
-        return margin(asked.but(verb=""), improve=True)
+        return margin(asked, improve=True)
     if what != "assembly":
         raise InputError(
             f"there is no figure {what!r}", hint="give 'assembly', 'region' or 'changes'"
         )
-    return check(asked)
+    return check(asked.but(verb="check"))  # so that the assumption of the file counts

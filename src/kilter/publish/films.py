@@ -70,8 +70,8 @@ def title_of(source: str) -> str:
 # Subjects of pages, figures and films: an assembly with changes, or an answer as it is.
 
 
-def changed_subject(subject: Any, asked: Question) -> Any:
-    """Return an assembly with the changes of the keywords; an answer rejects changes."""
+def is_drawn_answer(subject: Any) -> bool:
+    """Whether a figure shows this answer as it is."""
     from kilter.analysis.margins.margin_answer import Margin
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
@@ -80,7 +80,12 @@ def changed_subject(subject: Any, asked: Question) -> Any:
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
 
-    if not isinstance(subject, Verdict | Region | Order | Settled | Transport | Places | Margin):
+    return isinstance(subject, Verdict | Region | Order | Settled | Transport | Places | Margin)
+
+
+def changed_subject(subject: Any, asked: Question) -> Any:
+    """Return an assembly with the changes of the keywords; an answer rejects changes."""
+    if not is_drawn_answer(subject):
         return asked.read(subject)
     asked.require_unchanged(subject)
     return subject

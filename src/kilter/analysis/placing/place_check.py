@@ -43,13 +43,13 @@ from kilter.mechanics.proof_form import (
     SIX,
     VECTOR,
     WORD,
-    MalformedProof,
     every,
     keys,
     list_of,
     named,
     nullable,
     optional_keys,
+    require,
 )
 
 PLANE = list_of(NUMBER, 2)
@@ -84,10 +84,7 @@ def require_place_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
 
     Arguments and errors as for a plan (`kilter.analysis.planning.plan_proof_form`).
     """
-    form = keys(place=GIVEN) if "place" in bundle else keys(map=MAP)
-    fault = form(bundle, "")
-    if fault:
-        raise MalformedProof(fault)
+    require(keys(place=GIVEN) if "place" in bundle else keys(map=MAP), bundle)
 
 
 def wrong_places(

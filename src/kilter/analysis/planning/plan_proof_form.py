@@ -20,7 +20,6 @@ from kilter.mechanics.proof_form import (
     VECTOR,
     WORD,
     Form,
-    MalformedProof,
     count_up_to,
     every,
     keys,
@@ -29,6 +28,7 @@ from kilter.mechanics.proof_form import (
     nullable,
     one_of,
     optional_keys,
+    require,
     row_of,
 )
 
@@ -78,7 +78,7 @@ def require_plan_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
         form = every(keys(change=state), kinds.get(entry["about"], keys()))
         return form(entry, place)
 
-    _require(keys(rules=PLAN_RULES, proofs=list_of(statement)), bundle)
+    require(keys(rules=PLAN_RULES, proofs=list_of(statement)), bundle)
 
 
 def require_hold_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
@@ -86,7 +86,7 @@ def require_hold_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
 
     Arguments and errors as for a plan.
     """
-    _require(keys(rules=HOLD_RULES), bundle)
+    require(keys(rules=HOLD_RULES), bundle)
     last = len(bundle["rules"]["candidates"]) - 1
     chosen = keys(supports=list_of(count_up_to(last, least=0)))
     falls = keys(proof=keys(motion=named(SIX)))
@@ -94,7 +94,7 @@ def require_hold_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
     def statement(entry: Any, place: str) -> str:
         return every(chosen, falls if entry["about"] == "not fewer" else keys())(entry, place)
 
-    _require(keys(proofs=list_of(statement)), bundle)
+    require(keys(proofs=list_of(statement)), bundle)
 
 
 def require_lashing_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
@@ -103,7 +103,7 @@ def require_lashing_form(bundle: Mapping[str, Any], names: Sequence[str]) -> Non
     Arguments and errors as for a plan.
     """
     code = optional_keys(code=keys(name=WORD, forward=VECTOR))
-    _require(keys(rules=every(keys(candidates=STRAPS, least=COUNT), code)), bundle)
+    require(keys(rules=every(keys(candidates=STRAPS, least=COUNT), code)), bundle)
     last = len(bundle["rules"]["candidates"]) - 1
     chosen = every(keys(chosen=list_of(count_up_to(last, least=0))), optional_keys(case=WORD))
     falls = keys(proof=keys(motion=named(SIX)))
@@ -111,10 +111,4 @@ def require_lashing_form(bundle: Mapping[str, Any], names: Sequence[str]) -> Non
     def statement(entry: Any, place: str) -> str:
         return every(chosen, keys() if entry["about"] == "held" else falls)(entry, place)
 
-    _require(keys(proofs=list_of(statement)), bundle)
-
-
-def _require(form: Form, bundle: Mapping[str, Any]) -> None:
-    fault = form(bundle, "")
-    if fault:
-        raise MalformedProof(fault)
+    require(keys(proofs=list_of(statement)), bundle)

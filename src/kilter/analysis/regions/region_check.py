@@ -23,7 +23,6 @@ from kilter.mechanics.proof_form import (
     NUMBER,
     SIX,
     VECTOR,
-    MalformedProof,
     keys,
     list_of,
     named,
@@ -44,7 +43,7 @@ def _statement(entry: Any, place: str) -> str:
     return fault if fault or STAYS[entry["about"]] else FALLS(entry, place)
 
 
-FORM = keys(gap_deg=nullable(NUMBER), proofs=list_of(_statement))
+REGION = keys(gap_deg=nullable(NUMBER), proofs=list_of(_statement))
 """Statements of a region."""
 ON_BOUNDARY = 1e-7
 """A direction counts as within a facet if it lies at most so far beyond it [-]."""
@@ -52,15 +51,6 @@ BEYOND_FACET = 0.5
 """Largest angle beyond a facet up to which its motion may have less power than it needs [deg]."""
 GAP_ROUNDING = 1e-4
 """Rounding of the angle between both cones [deg]: facets meet at small angles."""
-
-
-def require_region_form(bundle: Entry, names: Sequence[str]) -> None:
-    """Reject a region in a proof file if an entry has a wrong key or type.
-
-    Raises `MalformedProof` with the first key that is missing or of another kind.
-    """
-    if fault := FORM(bundle, ""):
-        raise MalformedProof(fault)
 
 
 def wrong_region(

@@ -30,7 +30,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.round_edges import RoundEdge, has_round_edges
-from kilter.errors import InputError
+from kilter.errors import InputError, some_names
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import Program
@@ -423,7 +423,15 @@ class Transport(OfAssembly):
             raise InputError(
                 "derivatives are not computed for a range of friction", hint="leave mu_range out"
             )
-        cases = carried_cases(self, self.limits, name)
+        named = {each.name: each for each in self.limits}
+        if name not in named:
+            raise InputError(
+                f"the answer has no limit {name!r}",
+                hint=f"name {some_names(list(named))}" if named else "ask no other question",
+            )
+        of = named[name]
+        direction = np.asarray(of.direction)
+        cases = carried_cases(self, name, of.limit, direction, of.g, least=of.least)
         return gradient_of(self.assembly, self.contacts, cases)
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:

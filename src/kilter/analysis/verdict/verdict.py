@@ -16,7 +16,7 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.decision.cascade import Decision, Word
-from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.decision.judge import Judgement
 from kilter.analysis.decision.motion import (
     NO_MOTION,
     NO_MOTION_BY_LAW,
@@ -602,49 +602,12 @@ class Verdict(InCells, SupportedAnswer):
             If a name is unknown, two parts have no contact, contacts are bonded, or two axes are
             given.
         """
-        return self._ranges(between, along, moment)[1]
-
-    def range_proofs(
-        self,
-        between: Sequence[str | Sequence[str]] | None = None,
-        along: Any = None,
-        moment: Any = None,
-        *,
-        options: dict[str, Any] | None = None,
-    ) -> dict[str, Any]:
-        """Proofs of ranges of forces as JSON data, which `kilter.verify` recomputes.
-
-        Each end has forces that attain it and a motion of the parts that bounds it. Ends without a
-        limit are left out. The parameters are those of `force_ranges`; `options` are those with
-        which the assembly was read.
-
-        Raises
-        ------
-        InputError
-            As `force_ranges`, or if no range has a limit, or the pose is one that came to rest.
-        """
-        from kilter.analysis.range_proofs import make_range_proofs, require_provable
-
-        require_provable(self.rest_gap)
-        program, ranges = self._ranges(between, along, moment, kept=True)
-        return make_range_proofs(self.assembly, self.contact_set, program, ranges, options or {})
-
-    @on_one_thread
-    def _ranges(
-        self,
-        between: Sequence[str | Sequence[str]] | None,
-        along: Any,
-        moment: Any,
-        *,
-        kept: bool = False,
-    ) -> tuple[Program, tuple[ForceRange, ...]]:
-        """The program with friction, and ranges of its forces; `kept`: with their evidence."""
         if along is not None and moment is not None:
             raise InputError(
                 "along and moment are both given", hint="ask for one of them at a time"
             )
         if self.level is None:
-            return self.program, ()
+            return ()
         axis = None if along is None else unit(along)
         about = None if moment is None else unit(moment)
         program = build_program(self.assembly, self.contact_set)  # `program` may lack friction
@@ -652,13 +615,38 @@ class Verdict(InCells, SupportedAnswer):
         if between is not None:
             named = [(one,) if isinstance(one, str) else tuple(one) for one in between]
             pairs = [tuple(self.assembly.index_of(name) for name in names) for names in named]
-        others = None
-        if kept:
-            others = judge(program).forces
-            if others is None:
-                raise InputError("no equilibrium is known", hint="check the assembly first")
-        found = force_ranges(program, pairs, axis, about, others=others)
-        return program, sealed(tuple(found))
+        return sealed(tuple(force_ranges(program, pairs, axis, about)))
+
+    @on_one_thread
+    def range_proofs(
+        self, ranges: Sequence[ForceRange], *, options: dict[str, Any] | None = None
+    ) -> dict[str, Any]:
+        """Proofs of ranges of forces as JSON data, which `kilter.verify` recomputes.
+
+        Each end has forces that attain it and a motion of the parts that bounds it. Ends without a
+        limit are left out.
+
+        Parameters
+        ----------
+        ranges : sequence of ForceRange
+            Ranges that `force_ranges` returned.
+        options : dict, optional
+            Options with which the assembly was read, so that `verify` reads it alike.
+
+        Raises
+        ------
+        InputError
+            If no range has a limit, or the pose is one that came to rest.
+        """
+        # imported late: only a written proof needs this module
+        from kilter.analysis.range_proofs import make_range_proofs
+
+        if self.rest_gap is not None:
+            raise InputError(
+                "ranges of forces in a pose at rest have no proof file",
+                hint="ask about the drawn pose: --assume drawn",
+            )
+        return make_range_proofs(self.assembly, self.contact_set, ranges, options or {})
 
     @on_one_thread
     def support_movement(
