@@ -324,7 +324,7 @@ def test_the_command_lists_ranges_and_one_possible_set(tmp_path, capsys):
     assert "give x, y, z, or X,Y,Z" in capsys.readouterr().err
     assert main(["check", path, "--between", "springer-left", "all", "--moment", "y"]) == 0
     out = capsys.readouterr().out
-    assert "Moments [N m] on the second part about (0, 1, 0), least and greatest" in out
+    assert "Moments [N m] on the held part about (0, 1, 0), least and greatest" in out
     assert main(["check", path, "--moment", "y"]) == 2
     assert "--moment needs forces" in capsys.readouterr().err
     assert main(["check", path, "--forces", "--along", "x", "--moment", "y"]) == 2

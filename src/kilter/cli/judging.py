@@ -157,13 +157,12 @@ def _tell_check(asked: Asked, options: CheckOptions) -> tuple[int, dict[str, Any
     if ranges is not None:
         answer["ranges"] = [one.to_dict() for one in ranges]
     if options.range_proof is not None:
-        if ranges is None:
-            raise InputError(
-                f"--forces has no ranges for bonds, or more than {RANGED} pairs",
-                hint="name pairs with --between A B",
-            )
-        write_whole(options.range_proof, as_json(verdict.range_proofs(ranges)))
-        after += f"\nproof file   ranges written to {options.range_proof}"
+        if ranges:
+            write_whole(options.range_proof, as_json(verdict.range_proofs(ranges)))
+            after += f"\nproof file   ranges written to {options.range_proof}"
+        else:
+            none = "name pairs with --between" if ranges is None else "no equilibrium is known"
+            after += f"\nproof file   ranges not written: {none}"
     movement = _movement(verdict, options)
     if movement is not None:
         answer["movement"] = movement.to_dict()

@@ -266,11 +266,11 @@ def ranges_table(answer: Answer) -> Table:
         )
 
     along, moment = answer["ranges"][0]["along"], answer["ranges"][0]["moment"]
-    what = (
-        "Normal forces" if along is None else f"Forces on the second part along {vector(along, 3)}"
-    )
+    single = all(len(one["parts"]) == 1 for one in answer["ranges"])
+    on = "on the held part" if single else "on the second part"
+    what = "Normal forces" if along is None else f"Forces {on} along {vector(along, 3)}"
     if moment is not None:
-        what = f"Moments [N m] on the second part about {vector(moment, 3)}"
+        what = f"Moments [N m] {on} about {vector(moment, 3)}"
     title = f"{what}, least and greatest of all equilibria:"
     return Table(title, ["part", "and part", "least", "greatest"], answer["ranges"], row, True)
 
