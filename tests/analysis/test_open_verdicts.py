@@ -369,6 +369,6 @@ def test_a_program_of_many_points_is_proved_from_rounded_rows(seed, monkeypatch)
 
     monkeypatch.setattr(judging, "_by_least_imbalance", noted)
     judgement = judge(program)
-    assert tried[0] is False
+    assert tried[:1] in ([], [False])  # an earlier method proves a few of these programs
     assert judgement.stable is known
     assert proves_by_matrix(program, judgement)
