@@ -20,6 +20,13 @@ def table(mu: float, **options) -> kilter.Assembly:
     return kilter.Assembly(parts, friction=mu, **options)
 
 
+def test_a_cone_narrower_than_the_gap_has_an_end():
+    # no direction that bounds it is far enough from gravity for an arc
+    found = friction_cone(program_of(table(0.001)))
+    assert np.degrees(found.gap) <= 0.1
+    assert found.cone.half_angle_deg <= np.degrees(np.arctan(0.001)) + 1e-6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.05, 0.5, 1.5])
 def test_a_block_on_a_table_has_a_circular_cone(mu):

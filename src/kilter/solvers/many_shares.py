@@ -156,6 +156,8 @@ def many_shares(
     (0.5, True)
     """
     shares: list[Share | None] = [None] * len(along)
+    if not shares:
+        return shares
     x, s = (np.stack([getattr(start, k) for start in starts], axis=1) for k in ("x", "s"))
     y, t = np.stack([start.y for start in starts]), np.array([start.t for start in starts])
     points = _Points(np.arange(len(along)), right, along, x, s, y, t, {})
