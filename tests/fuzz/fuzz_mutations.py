@@ -278,7 +278,9 @@ def rezipped(content: bytes, rng: Random) -> bytes:
         members[name] = renumbered(members[name], rng)
     made = io.BytesIO()
     packing = [zipfile.ZIP_DEFLATED, zipfile.ZIP_STORED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
-    with zipfile.ZipFile(made, "w", packing[int(rng.integers(4))]) as archive:
+    kind = packing[int(rng.integers(4))]
+    with zipfile.ZipFile(made, "w") as archive:
         for one, data in members.items():
-            archive.writestr(one, data)
+            # an entry without a time: the same number makes the same file
+            archive.writestr(zipfile.ZipInfo(one), data, kind)
     return made.getvalue()
