@@ -292,12 +292,11 @@ def test_no_small_number_goes_without_a_name():
     # masses of bricks [kg]
     found = unnamed("assembly", but="assembly_tolerances.py")
     assert {place.split(":")[0] for place in found} == {"assembly/bricks/brick_library.py"}
-    # units: a micron in millimetres (3MF); prefixes and inches (STEP); and
-    # the least values that MuJoCo accepts
+    # units: a micron in millimetres (3MF); prefixes and inches (STEP, FreeCAD)
     found = unnamed("files", but="file_tolerances.py")
     places = {place.split(":")[0] for place in found}
     assert places == {
-        "files/robots/mjcf.py",
+        "files/cad/freecad_tree.py",
         "files/cad/step_statements.py",
         "files/cad/step_densities.py",
         "files/meshes/threemf.py",

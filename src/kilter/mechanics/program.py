@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from kilter.arrays import Array, Index, Mask, connected, cross
+from kilter.arrays import Array, Index, Mask, connected, cross, sealed
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.strap_wrenches import strap_wrenches
@@ -182,7 +182,7 @@ class Program(RowArrays):
     @cached_property
     def rough(self) -> Index:
         """Indices of the rows with friction, shape (R,)."""
-        return np.flatnonzero(self.mu > 0)
+        return sealed(np.flatnonzero(self.mu > 0))
 
     @cached_property
     def cohesion(self) -> Array:
@@ -192,7 +192,7 @@ class Program(RowArrays):
     @cached_property
     def gripping(self) -> Index:
         """Indices of the rows with a tangential force, from friction or bond shear, shape (R,)."""
-        return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
+        return sealed(np.flatnonzero((self.mu > 0) | (self.cohesion > 0)))
 
     @property
     def has_strength(self) -> bool:
@@ -208,7 +208,7 @@ class Program(RowArrays):
 
         The force of a row that is two-sided is at least minus the capacity.
         """
-        return np.flatnonzero(np.isfinite(self.capacity))
+        return sealed(np.flatnonzero(np.isfinite(self.capacity)))
 
     @property
     def strap_pieces(self) -> Index:
@@ -307,7 +307,7 @@ class Program(RowArrays):
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
             k = np.flatnonzero(part >= 0)
             sides.append((k, part[k], sign * self.lever(k, part[k])))
-        return tuple(sides)
+        return sealed(tuple(sides))
 
     def of_parts(self, parts: Index) -> Program:
         """Copy of the program with the parts `parts`; the rows still have the old numbers."""

@@ -211,7 +211,7 @@ def _common_point(points: Array, axes: Array) -> Array | None:
     begin = points.mean(axis=0)
     offset = points - begin
     target = np.einsum("kij,kj->ki", across, offset)
-    moved = np.linalg.lstsq(across.reshape(-1, 3), target.ravel(), rcond=1e-9)[0]
+    moved = np.linalg.lstsq(across.reshape(-1, 3), target.ravel(), rcond=MEET)[0]
     apart = np.abs(np.einsum("kij,kj->ki", across, moved - offset)).max()
     if apart > MEET * max(float(np.abs(points).max()), 1.0):
         return None
