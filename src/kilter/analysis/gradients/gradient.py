@@ -54,7 +54,9 @@ class Slope:
 
 @dataclass(frozen=True, eq=False)
 class Gradient:
-    """Derivatives of a limit of `kilter.margin` or `kilter.transport` by the data of the assembly.
+    """Derivatives of a limit by the data of the assembly.
+
+    The limit is that of `kilter.margin`, `kilter.transport` or a place of `kilter.place`.
 
     The last axis of each array has the derivatives toward smaller and toward larger values. They
     differ where edges of two faces coincide, or several limits are equal. All derivatives hold as
@@ -65,12 +67,12 @@ class Gradient:
     """
 
     of: str
-    """The limit: "tilt", "friction", "load factor", "least load factor", "push" or "load", or the
-    name of a limit of `kilter.transport`."""
+    """The limit: "tilt", "friction", "load factor", "least load factor", "push", "load", the name
+    of a limit of `kilter.transport`, or "heaviest" for a place."""
     value: float
     """The limit [`unit`]."""
     unit: str
-    """"deg", "-", "N" or "g"."""
+    """"deg", "-", "N", "g" or "kg"."""
     parts: tuple[str, ...]
     """Names of the parts, in the order of the arrays."""
     pairs: tuple[tuple[str, str], ...]

@@ -42,7 +42,7 @@ class LimitCases:
     value: float
     """The limit in its unit."""
     unit: str
-    """"deg", "-", "N" or "g"."""
+    """"deg", "-", "N", "g" or "kg"."""
     sign: float
     """-1 for a limit from below, whose cases are limits of the opposite number."""
     cases: tuple[LimitCase, ...]

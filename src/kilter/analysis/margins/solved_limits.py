@@ -95,7 +95,7 @@ def limit_cases(margin: KnownLimits, of: str, part: str | None) -> LimitCases:
         raise InputError(
             f"there is no limit {of!r}", hint=f"name {some_names(get_args(LimitWord))}"
         )
-    require_plain(margin)
+    require_plain(margin.program)
     found = {
         "tilt": _tilt,
         "friction": _friction,
@@ -112,9 +112,9 @@ def limit_cases(margin: KnownLimits, of: str, part: str | None) -> LimitCases:
     return found
 
 
-def require_plain(known: KnownAssembly) -> None:
-    """Reject an assembly with bonds, straps or springs, whose limits have no derivatives."""
-    if known.program.has_limits or known.program.clamp.any():
+def require_plain(program: Program) -> None:
+    """Reject bonds, straps and springs, whose limits have no derivatives."""
+    if program.has_limits or program.clamp.any():
         raise InputError(
             "derivatives are not computed for bonds, straps, springs and friction of joints",
             hint="leave them out",
@@ -224,9 +224,9 @@ def body_force_limit(
     known: KnownAssembly, limit: Limit, direction: Array, *, unit: float = 1.0
 ) -> SolvedLimit:
     """The solved limit of a body force along a direction, as a share of the weights."""
-    solved = _solved(limit, gravity_wrench(limit.program, direction), unit=unit)
+    solved = solved_limit(limit, gravity_wrench(limit.program, direction), unit=unit)
     along_mass = limit.program.g * direction
-    return replace(solved, along_mass=along_mass, fixed=_fixed_loads(known, 1.0))
+    return replace(solved, along_mass=along_mass, fixed=fixed_loads(known.assembly, 1.0))
 
 
 def _least(cases: tuple[LimitCase, ...], even: bool) -> tuple[LimitCase, ...]:
@@ -268,7 +268,7 @@ def _friction(margin: KnownLimits, of: str, part: str | None) -> LimitCases | No
         np.zeros((count, 6)),
         limit.value,
         None,
-        _fixed_loads(margin, 1.0),
+        fixed_loads(margin.assembly, 1.0),
     )
     copied = _has_copies(program, solved)
     return LimitCases(of, limit.value, "-", 1.0, (refined_case(solved),), copied)
@@ -284,9 +284,9 @@ def _load_factor(margin: KnownLimits, of: str, part: str | None) -> LimitCases |
     program = limit.program
     if margin.push is None:
         wrench = np.where(program.free[:, None], margin.program.applied, 0.0)
-        solved = _solved(limit, sign * wrench)
+        solved = solved_limit(limit, sign * wrench)
         share = sign * limit.value
-        solved = replace(solved, fixed=_fixed_loads(margin, share), load_share=share)
+        solved = replace(solved, fixed=fixed_loads(margin.assembly, share), load_share=share)
     else:
         solved = body_force_limit(margin, limit, sign * margin.push)
     copied = _has_copies(margin.program, solved)
@@ -314,7 +314,9 @@ def _part_limit(margin: KnownLimits, of: str, part: str | None) -> LimitCases | 
     k = program.names.index(part)
     wrench = np.zeros((len(program.names), 6))
     wrench[k, :3] = along
-    solved = replace(_solved(limit, wrench), value=amount, fixed=_fixed_loads(margin, 1.0))
+    solved = replace(
+        solved_limit(limit, wrench), value=amount, fixed=fixed_loads(margin.assembly, 1.0)
+    )
 
     def sought(given: SolvedLimit) -> Array:
         step = given.motion[k, :3]
@@ -330,8 +332,8 @@ def _part_limit(margin: KnownLimits, of: str, part: str | None) -> LimitCases | 
     return LimitCases(of, amount, "N", 1.0, (case,), False)
 
 
-def _solved(limit: Limit, along: Array, *, unit: float = 1.0) -> SolvedLimit:
-    """A limit as a solved program, with a load per unit of it."""
+def solved_limit(limit: Limit, along: Array, *, unit: float = 1.0) -> SolvedLimit:
+    """A limit as a solved program, with a load per unit of it, shape (N, 6)."""
     assert limit.motion is not None
     none = np.zeros((len(limit.program.names), 3))
     return SolvedLimit(
@@ -347,12 +349,12 @@ def _solved(limit: Limit, along: Array, *, unit: float = 1.0) -> SolvedLimit:
     )
 
 
-def _fixed_loads(margin: KnownAssembly, factor: float) -> Array:
+def fixed_loads(assembly: Assembly, factor: float) -> Array:
     """Forces of given loads at points that do not move with the parts, shape (N, 3) [N]."""
-    forces = np.zeros((len(margin.program.names), 3))
-    for load in margin.assembly.loads:
+    forces = np.zeros((len(assembly.parts), 3))
+    for load in assembly.loads:
         if load.point is not None:
-            forces[margin.assembly.index_of(load.part)] += factor * load.force
+            forces[assembly.index_of(load.part)] += factor * load.force
     return forces
 
 

@@ -11,7 +11,10 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.judge import judge
+from kilter.analysis.gradients.gradient import Gradient, gradient_of
+from kilter.analysis.gradients.limit_case import LimitCases, refined_case
 from kilter.analysis.load_limit import Limit, find_limit
+from kilter.analysis.margins.solved_limits import fixed_loads, require_plain, solved_limit
 from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
@@ -207,6 +210,61 @@ class AtPlace(Record):
         """Whether any mass is carried."""
         return self.heaviest is not None and not np.isfinite(self.heaviest)
 
+    def gradient(self) -> Gradient:
+        """Derivatives of the heaviest mass by the data of the parts [kg per unit].
+
+        The part is one of the parts of the gradient. Its own mass has no effect.
+
+        Returns
+        -------
+        Gradient
+
+        Raises
+        ------
+        InputError
+            If the heaviest mass is not finite or 0, the centre of the part is uncertain, or the
+            assembly has bonds, straps or springs.
+
+        Examples
+        --------
+        A shelf of 6 kg, whose centre lies .3 m before the edge, carries 12 kg at .15 m beyond it:
+
+        >>> import kilter
+        >>> from kilter import Box, Part
+        >>> table = Part("table", Box(1, 1, 1), [-0.5, 0, -0.5], grounded=True)
+        >>> shelf = Part("shelf", Box(1, 0.5, 0.1), [-0.3, 0, 0.05], mass=6)
+        >>> jar = kilter.box_to_place([0.1, 0.1, 0.1], 1.0, name="jar")
+        >>> at = kilter.place(kilter.Assembly([table, shelf]), jar, at=[0.15, 0]).at
+        >>> round(at.heaviest, 6), at.gradient().mass[1].round(6).tolist()
+        (12.0, [2.0, 2.0])
+        """
+        if len({verdict.program.center.tobytes() for verdict in self.verdicts}) > 1:
+            raise InputError(
+                "derivatives are not computed for an uncertain centre", hint="give a single centre"
+            )
+        verdict = self.verdicts[0]
+        assembly, contacts = verdict.assembly, verdict.contact_set
+        program = build_program(assembly, contacts)
+        require_plain(program)
+        weight = _weight(program, self.part.name)
+        limit = find_limit(program, weight)
+        if not self.heaviest or not isinstance(limit, Limit) or limit.motion is None:
+            raise InputError(
+                "the heaviest mass is 0, unlimited or not known", hint="give another place"
+            )
+        number = assembly.index_of(self.part.name)
+        solved = solved_limit(limit, weight / program.mass[number])
+        solved = replace(
+            solved, value=limit.value * program.mass[number], fixed=fixed_loads(assembly, 1.0)
+        )
+        cases = (refined_case(solved),)
+        found = gradient_of(
+            assembly, contacts, LimitCases("heaviest", self.heaviest, "kg", 1.0, cases, False)
+        )
+        mass = found.mass.copy()
+        mass[number] = 0.0  # a heavier part is nearer to the same heaviest mass
+        return replace(found, mass=mass)
+
     def remarks(self, base: Assembly) -> tuple[str, ...]:
         """Warnings about the assembly with the part.
 
@@ -282,14 +340,20 @@ def _heaviest(program: Program, name: str) -> float | None:
 
     0 if the largest mass is below the share of the weight that a certificate tolerates.
     """
-    k = program.names.index(name)
-    weight = np.zeros((len(program.names), 6))
-    weight[k, :3] = program.mass[k] * program.gravity
     # the load of the part itself is share 0
-    limit = find_limit(program, weight)
+    limit = find_limit(program, _weight(program, name))
     if not isinstance(limit, Limit):
         return None
     share = 1 + limit.value
     if share < -TOLERANCE:
         return None
-    return float(program.mass[k] * share) if share > TOLERANCE else 0.0
+    mass = float(program.mass[program.names.index(name)])
+    return mass * share if share > TOLERANCE else 0.0
+
+
+def _weight(program: Program, name: str) -> Array:
+    """Weight of a part as a load of all parts [N], shape (N, 6)."""
+    k = program.names.index(name)
+    weight = np.zeros((len(program.names), 6))
+    weight[k, :3] = program.mass[k] * program.gravity
+    return weight

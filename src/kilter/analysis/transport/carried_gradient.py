@@ -28,7 +28,7 @@ def carried_cases(
     Arguments: `least`: whether it is the limit of the weakest horizontal direction. Raises
     `InputError` if the limit is not finite, or the assembly has bonds, straps or springs.
     """
-    require_plain(known)
+    require_plain(known.program)
     cases = None
     if np.isfinite(g) and limit.motion is not None:
         if least:
