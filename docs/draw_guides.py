@@ -20,7 +20,8 @@ PICTURES = {
     "loads": "stand.FCStd --assume joined --friction 0.4 --load pot=0,0,-60",
     "straps": "load.csv --floor --friction 0.35 --straps straps.json",
     "start-states": "desk.xml --friction 0.6",
-    "arches": "arch-compas.json --friction 0.6",
+    "thrust": "arch-compas.json --friction 0.6 --what thrust",
+    "movement": "arch-compas.json --friction 0.6 --what movement --move support-right=0.01,0,0",
     "bricks": "crane.ldr",
     "packing": "pallet.csv --floor",
 }

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from collections.abc import Iterable
+from collections.abc import Mapping
 from collections.abc import Sequence
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -521,10 +522,12 @@ def draw(
     down: ArrayLike | None = None,
     ground: str | Iterable[str] = (),
     floor: bool | float | None = None,
-    what: Literal["assembly", "region", "changes"] = "assembly",
+    what: Literal["assembly", "region", "changes", "thrust", "movement"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
+    moved: Mapping[str, Any] | None = None,
+    turned: Mapping[str, Any] | None = None,
     tolerance: Tolerance | None = None,
     effort: float = 1.0,
     time_limit: float | None = None,
@@ -542,8 +545,10 @@ def draw(
         An answer is drawn unchanged. For an assembly, the answer is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
-    what : {"assembly", "region", "changes"}
-        Figure of an assembly: its verdict, its stable region, or the changes that help.
+    what : {"assembly", "region", "changes", "thrust", "movement"}
+        Figure of an assembly: its verdict, its stable region, the changes that help, the lines of
+        least and greatest thrust of a chain of parts, or the movement of the parts after a movement
+        of supports, magnified, with hinges. The last two also apply to a `Verdict`.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     names : bool, optional
@@ -551,6 +556,8 @@ def draw(
     contacts : ContactSet or bool, optional
         Contacts of this assembly; by default they are detected from its geometry. True or False
         decides whether contact patches are drawn; by default only few patches are drawn.
+    moved, turned : mapping, optional
+        Movements of supports for the figure of a movement, as in `Verdict.support_movement`.
     friction : float, optional
         Coefficient of the contacts without a coefficient of their own [-].
     down : array_like, shape (3,), optional

@@ -119,12 +119,12 @@ class SupportMovement(Record):
         if self.outcome == "follows":
             return "The parts follow their supports: no contact opens, and the forces stay."
         count = len(self.opened)
-        contacts = f"{count} contact" + "s" * (count > 1)
         if self.outcome == "slides":
-            return f"{contacts} slide while loaded: the work lies between the two values."
-        widest = self.opened[0]
-        where = " and ".join(repr(name) for name in widest.parts)
-        return f"The assembly cracks: {contacts} open, the widest between {where}."
+            contacts = "1 contact slides" if count == 1 else f"{count} contacts slide"
+            return f"{contacts} while loaded: the work lies between the two values."
+        contacts = "1 contact opens," if count == 1 else f"{count} contacts open, the widest"
+        where = " and ".join(repr(name) for name in self.opened[0].parts)
+        return f"The assembly cracks: {contacts} between {where}."
 
 
 def support_movement(

@@ -11,7 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked, check_each, code_of
 from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
-from kilter.cli.options import FORM, File, Files, Json, Output, Quiet, Require, asks, takes
+from kilter.cli.options import (
+    FORM,
+    File,
+    Files,
+    Json,
+    Move,
+    Output,
+    Quiet,
+    Require,
+    TurnSupport,
+    asks,
+    takes,
+)
 from kilter.cli.output import (
     Progress,
     as_json,
@@ -21,7 +33,7 @@ from kilter.cli.output import (
     write_whole,
     writes_json,
 )
-from kilter.cli.quantities import named_numbers, number_of
+from kilter.cli.quantities import moved_supports, number_of
 from kilter.errors import InputError, visible
 from kilter.values.declaration import argument, option
 
@@ -77,17 +89,8 @@ class CheckOptions:
         "With --forces or --between: write proofs of both ends of each range, for kilter verify.",
         FORM,
     )
-    move: list[str] | None = option(
-        "--move NAME=DX,DY,DZ",
-        "A held part moves by this small vector [length unit of the file]: how the parts follow, "
-        "where they crack. Repeatable.",
-        FORM,
-    )
-    turn_support: list[str] | None = option(
-        "--turn-support NAME=AX,AY,AZ,DEG",
-        "A held part turns about its centre of mass: axis, and angle in degrees. Repeatable.",
-        FORM,
-    )
+    move: list[str] | None = Move()
+    turn_support: list[str] | None = TurnSupport()
     watch: bool = option(
         "--watch",
         "Check a single file anew whenever it is saved, and state what changed; Ctrl-C ends it.",
@@ -193,14 +196,7 @@ def _movement(verdict: Verdict, options: CheckOptions) -> SupportMovement | None
     """The movement of supports that the options ask for; None if they ask for none."""
     if not options.move and not options.turn_support:
         return None
-    moves = [named_numbers("--move", words, 3, "base=0,0,-0.01") for words in options.move or ()]
-    turns = [
-        named_numbers("--turn-support", words, 4, "base=0,1,0,0.5")
-        for words in options.turn_support or ()
-    ]
-    return verdict.support_movement(
-        {name: vector for name, *vector in moves}, {name: turn for name, *turn in turns}
-    )
+    return verdict.support_movement(*moved_supports(options.move, options.turn_support))
 
 
 def _axis(option: str, text: str) -> list[float]:

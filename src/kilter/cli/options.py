@@ -23,11 +23,12 @@ from kilter.values.declaration import argument, option
 from kilter.work import EFFORT
 
 __all__ = [
-    "FORM", "QUESTION", "TOUCH", "Code", "File", "Files", "Forward", "Json", "Output", "Quiet",
-    "Require", "asks", "takes",
+    "FORM", "QUESTION", "TOUCH", "Code", "File", "Files", "Forward", "Json", "Move", "Output",
+    "Quiet", "Require", "TurnSupport", "asks", "takes",
 ]  # fmt: skip
 
 FORM = "Form of the answer"
+SUPPORTS = "Supports that move"
 WORK = "Limits of work and time"
 QUESTION = "Question: an acceleration, a turn, a rule of load securing or a path"
 HELP_OF_FILE = (
@@ -55,6 +56,19 @@ Output = partial(
     FORM,
 )
 Quiet = partial(option, "--quiet", "Print no progress and no warnings on the error stream.", FORM)
+Move = partial(
+    option,
+    "--move NAME=DX,DY,DZ",
+    "A held part moves by this small vector [length unit of the file]: how the parts follow, "
+    "where they crack. Repeatable.",
+    SUPPORTS,
+)
+TurnSupport = partial(
+    option,
+    "--turn-support NAME=AX,AY,AZ,DEG",
+    "A held part turns about its centre of mass: axis, and angle in degrees. Repeatable.",
+    SUPPORTS,
+)
 Code = partial(
     option,
     "--code NAME",

@@ -10,8 +10,9 @@ from typing import Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import WRITTEN
-from kilter.cli.options import HELP_OF_FILE, asks
+from kilter.cli.options import HELP_OF_FILE, Move, TurnSupport, asks
 from kilter.cli.output import Progress, tell_warnings, tell_written
+from kilter.cli.quantities import moved_supports
 from kilter.errors import InputError, visible
 from kilter.values.declaration import argument, option
 
@@ -22,6 +23,8 @@ class What(StrEnum):
     ASSEMBLY = "assembly"
     REGION = "region"
     CHANGES = "changes"
+    THRUST = "thrust"
+    MOVEMENT = "movement"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,15 +157,19 @@ class DrawOptions:
 
     output: Path | None = option(
         "-o --output OUT.svg|png|pdf|glb",
-        "Figure to write. OUT.glb is a film of how parts start to move.",
+        "Figure to write. OUT.glb is a film of how parts start to move, or of a movement.",
     )
     what: What = option(
         "--what",
         "assembly: the assembly with its motion or its forces. region: the stable region on "
         "the sphere of directions of gravity. changes: arrows of movements that help, and beside "
-        "it the assembly with the best change of 'margin --improve'.",
+        "it the assembly with the best change of 'margin --improve'. thrust: the lines of least "
+        "and greatest thrust of a chain of parts, such as an arch. movement: the parts after a "
+        "movement of supports, magnified, with hinges.",
         default=What.ASSEMBLY,
     )
+    move: list[str] | None = Move()
+    turn_support: list[str] | None = TurnSupport()
     view: tuple[float, float] | None = option(
         "--view AZIMUTH ELEVATION",
         "Direction to the eye: azimuth to the right of -y, and elevation above the ground [deg].",
@@ -188,6 +195,12 @@ def draw(asked: Asked, options: DrawOptions) -> int:
     else:
         publish.require_figure(options.output, options.view)
     asked.apart(options.output)
+    moved, turned = moved_supports(options.move, options.turn_support)
+    if (options.what is What.MOVEMENT) != bool(moved or turned):
+        raise InputError(
+            "--what movement and a movement of a support belong together",
+            hint="give both: --what movement --move NAME=DX,DY,DZ",
+        )
     asked = replace(asked, verb=options.what.value)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
@@ -195,9 +208,16 @@ def draw(asked: Asked, options: DrawOptions) -> int:
         answer = publish.answer_to_draw(assembly, options.what.value, question)
         progress("film" if films else "figure")
         if films:
-            publish.animate(answer, options.output)
+            publish.animate(answer, options.output, moved=moved, turned=turned)
         else:
-            publish.draw(answer, options.output, view=options.view)
+            publish.draw(
+                answer,
+                options.output,
+                what=options.what.value,
+                view=options.view,
+                moved=moved,
+                turned=turned,
+            )
     data = answer.to_dict()
     tell_warnings(data["warnings"], asked.quiet)
     words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"

@@ -103,6 +103,15 @@ def named_numbers(option: str, words: str, count: int, example: str) -> tuple[An
     return (name, *numbers)
 
 
+def moved_supports(
+    moves: list[str] | None, turns: list[str] | None
+) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """Translations and rotations of supports by name, from the words of both options."""
+    moved = [named_numbers("--move", words, 3, "base=0,0,-0.01") for words in moves or ()]
+    turned = [named_numbers("--turn-support", words, 4, "base=0,1,0,0.5") for words in turns or ()]
+    return {name: way for name, *way in moved}, {name: turn for name, *turn in turned}
+
+
 def height_of(floor: str) -> float | str:
     """Height of the floor as a number, or the word for the lowest point."""
     from kilter.assembly.question import LOWEST

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,6 +13,7 @@ from kilter.errors import InputError
 from kilter.publish.films import (
     changed_subject,
     is_drawn_answer,
+    known_movement,
     path_of,
     require_figure,
     require_steps,
@@ -43,10 +44,12 @@ def draw(
     out: str | Path | None = None,
     *,
     asked: Question,
-    what: Literal["assembly", "region", "changes"] = "assembly",
+    what: Literal["assembly", "region", "changes", "thrust", "movement"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
+    moved: Mapping[str, Any] | None = None,
+    turned: Mapping[str, Any] | None = None,
 ) -> Figure:
     """Draw the parts with their motion or forces, the stable region, or the changes that help.
 
@@ -60,8 +63,10 @@ def draw(
         An answer is drawn unchanged. For an assembly, the answer is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
-    what : {"assembly", "region", "changes"}
-        Figure of an assembly: its verdict, its stable region, or the changes that help.
+    what : {"assembly", "region", "changes", "thrust", "movement"}
+        Figure of an assembly: its verdict, its stable region, the changes that help, the lines of
+        least and greatest thrust of a chain of parts, or the movement of the parts after a movement
+        of supports, magnified, with hinges. The last two also apply to a `Verdict`.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     names : bool, optional
@@ -69,6 +74,8 @@ def draw(
     contacts : ContactSet or bool, optional
         Contacts of this assembly; by default they are detected from its geometry. True or False
         decides whether contact patches are drawn; by default only few patches are drawn.
+    moved, turned : mapping, optional
+        Movements of supports for the figure of a movement, as in `Verdict.support_movement`.
 
     Returns
     -------
@@ -122,6 +129,10 @@ def draw(
     elif isinstance(answer, Order):
         require_steps(answer)
         figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
+    elif what == "thrust":
+        figure = _draw_thrust(answer, view)
+    elif what == "movement":
+        figure = _draw_movement(answer, moved or {}, turned or {}, view)
     else:
         path = path_of(answer)
         fall = None if path is None else path.motions[path.half_way]
@@ -183,6 +194,49 @@ def _draw_changes(answer: Margin, view: tuple[float, float] | None) -> Figure:
     return draw_changes(given, changed, arrows, words, sentence, view=view)
 
 
+def _draw_thrust(verdict: Verdict, view: tuple[float, float] | None) -> Figure:
+    """Draw the lines of least and of greatest thrust of a chain of parts."""
+    from kilter.analysis.thrust_lines import find_thrust_lines
+    from kilter.show.support_figure import draw_thrust
+    from kilter.tell.numbers import force
+
+    found = find_thrust_lines(verdict)
+    words = []
+    for name, end in (("least", found.thrust.least), ("greatest", found.thrust.greatest)):
+        value = "without limit" if end.value is None else force(end.value)
+        words.append(f"{name} thrust {value if end.proved else 'not known'}")
+    sentence = f"L{words[0][1:]}, {words[1]}."
+    lines = list(zip((found.least, found.greatest), words, strict=True))
+    return draw_thrust(found.assembly, found.span, lines, sentence, view=view)
+
+
+def _draw_movement(
+    verdict: Verdict,
+    moved: Mapping[str, Any],
+    turned: Mapping[str, Any],
+    view: tuple[float, float] | None,
+) -> Figure:
+    """Draw an assembly after a magnified movement of its supports."""
+    from kilter.show.support_figure import draw_support_movement
+
+    found = known_movement(verdict, moved, turned)
+    assembly, program = verdict.assembly, verdict.program
+    hinges = [
+        (assembly.index_of(contact.parts[0]), np.asarray(contact.hinge))
+        for contact in found.opened
+        if contact.hinge is not None
+    ]
+    supports = []
+    for support in found.supports:
+        part = assembly.index_of(support.part)
+        points = program.point[(program.part_a == part) | (program.part_b == part)]
+        center = assembly.geometry.center[part]
+        supports.append((part, points.mean(axis=0) if len(points) else center))
+    return draw_support_movement(
+        assembly, found.motion, supports, hinges, found.sentence, found.exact, view=view
+    )
+
+
 def _draw_places(answer: Places) -> Figure:
     """Draw the map of places; an error if the answer is about a given place."""
     from kilter.show.place_figure import draw_places
@@ -212,8 +266,9 @@ def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
         return region(asked)
     if what == "changes":
         return margin(asked, improve=True)
-    if what != "assembly":
+    if what not in ("assembly", "thrust", "movement"):
         raise InputError(
-            f"there is no figure {what!r}", hint="give 'assembly', 'region' or 'changes'"
+            f"there is no figure {what!r}",
+            hint="give 'assembly', 'region', 'changes', 'thrust' or 'movement'",
         )
     return check(asked.but(verb="check"))  # so that the assumption of the file counts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from kilter.values.guesses import guarded
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.support_movement import SupportMovement
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.question import Question
@@ -36,7 +38,7 @@ def require_ending(out: str | Path, endings: tuple[str, ...], what: str, also: s
 
 def require_film(what: str, view: tuple[float, float] | None) -> None:
     """Reject options that do not apply to a film, before any computation."""
-    if what != "assembly":
+    if what not in ("assembly", "movement"):
         raise InputError(
             f"a {what} has no motion", hint="write a figure: out.svg, out.png or out.pdf"
         )
@@ -108,7 +110,13 @@ def require_steps(order: Order) -> None:
 
 
 @guarded
-def animate(subject: Order | Region | Verdict | Transport, out: str | Path | None = None) -> bytes:
+def animate(
+    subject: Order | Region | Verdict | Transport,
+    out: str | Path | None = None,
+    *,
+    moved: Mapping[str, Any] | None = None,
+    turned: Mapping[str, Any] | None = None,
+) -> bytes:
     """Export a plan or a motion as an animated GLB file, for any glTF viewer.
 
     The film of a plan inserts each part along its path and marks held parts; without animation,
@@ -124,6 +132,9 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
         rejected.
     out : path, optional
         File of the film, ending in .glb.
+    moved, turned : mapping, optional
+        Movements of supports, as in `Verdict.support_movement`: the film of a verdict shows the
+        movement that follows, magnified. The name of its animation states the factor.
 
     Raises
     ------
@@ -153,7 +164,11 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
     if out is not None:
         require_ending(out, FILMS, "film")
     if isinstance(subject, Verdict):
-        film = _film_of(subject)
+        film = (
+            _film_of_movement(subject, moved or {}, turned or {})
+            if moved or turned
+            else (_film_of(subject))
+        )
     elif isinstance(subject, Transport):
         film = _film_of_mechanism(subject)
     else:
@@ -182,6 +197,35 @@ def _film_of(verdict: Verdict) -> bytes:
     if path is not None:
         return film_of_fall(verdict.assembly, path.motions, path.lengths)
     return film_of_motion(verdict.assembly, free_travel(verdict))
+
+
+def known_movement(
+    verdict: Verdict, moved: Mapping[str, Any], turned: Mapping[str, Any]
+) -> SupportMovement:
+    """The movement of parts after a movement of supports; an error if no movement is known."""
+    if not (moved or turned):
+        raise InputError(
+            "no support moves",
+            hint="give moved={'NAME': (x, y, z)}",
+            option="add --move NAME=DX,DY,DZ or --turn-support NAME=AX,AY,AZ,DEG",
+        )
+    found = verdict.support_movement(moved, turned)
+    if not found.moves:
+        raise InputError(f"there is no movement to show: {found.sentence}")
+    return found
+
+
+def _film_of_movement(
+    verdict: Verdict, moved: Mapping[str, Any], turned: Mapping[str, Any]
+) -> bytes:
+    """GLB film of the magnified movement of the parts after a movement of supports."""
+    from kilter.show.glb_film import film_of_motion
+    from kilter.show.support_figure import movement_factor
+    from kilter.tell.numbers import number
+
+    motion = known_movement(verdict, moved, turned).motion
+    factor = movement_factor(verdict.assembly, motion)
+    return film_of_motion(verdict.assembly, factor * motion, f"movement x {number(factor)}")
 
 
 def _film_of_mechanism(answer: Transport) -> bytes:

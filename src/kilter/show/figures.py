@@ -24,7 +24,7 @@ from kilter.show.overlay import (
     draw_straps,
 )
 from kilter.show.painter import Camera
-from kilter.show.solids import draw_parts
+from kilter.show.solids import draw_parts, moved_points
 from kilter.show.sphere import draw_region
 
 if TYPE_CHECKING:
@@ -111,40 +111,61 @@ class PartsPicture(NamedTuple):
     """Part and outline of each visible face."""
 
 
-def draw_picture(assembly: Assembly, view: tuple[float, float] | None) -> PartsPicture:
+def draw_picture(
+    assembly: Assembly, view: tuple[float, float] | None, motion: Array | None = None
+) -> PartsPicture:
     """Draw the parts of an assembly into a new figure.
 
-    Arguments: `view`: azimuth and elevation of the eye [deg]; None for the default view.
+    Arguments: `view`: azimuth and elevation of the eye [deg]; None for the default view; `motion`
+    (N, 6): small motion of the parts after which they are drawn.
     """
     figure = new_figure(WIDTH, HEIGHT)
     axes = figure.add_axes((0.09, 0.11, *SPACE))
     axes.set_axis_off()
     camera = camera_of(assembly, view)
-    low, high = picture_limits(assembly, camera, _picture_shape(figure))
+    low, high = picture_limits(assembly, camera, _picture_shape(figure), motion)
     size = float((high - low).max())
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    entries, faces = draw_parts(axes, assembly, camera, size)
+    entries, faces = draw_parts(axes, assembly, camera, size, motion=motion)
     return PartsPicture(figure, axes, camera, size, entries, faces)
 
 
 def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
     """Camera for a view, which also turns the assembly so that gravity points down on the page."""
     azimuth, elevation = view or (FRONT if assembly.planar else VIEW)
-    turn = quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))
+    return Camera.at(azimuth, elevation, _upright(assembly))
+
+
+def side_view(assembly: Assembly, across: Array) -> tuple[float, float]:
+    """The view along a horizontal axis, shape (3,), as azimuth and elevation of the eye [deg]."""
+    x, y, _ = _upright(assembly) @ across
+    azimuth = float(np.degrees(np.arctan2(x, -y)))
+    return azimuth - 180 * np.sign(azimuth) * (abs(azimuth) > 90), 0.0
+
+
+def _upright(assembly: Assembly) -> Array:
+    """Rotation matrix that turns an assembly so that gravity acts along -z."""
     if np.allclose(assembly.down[:2], 0.0) and assembly.down[2] > 0:
         # upside down: the shortest rotation is not unique, so turn about the axis of sight
-        turn = np.diag([-1.0, 1.0, -1.0])
-    return Camera.at(azimuth, elevation, turn)
+        return np.diag([-1.0, 1.0, -1.0])
+    return quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))
 
 
-def picture_limits(assembly: Assembly, camera: Camera, shape: Array) -> tuple[Array, Array]:
+def picture_limits(
+    assembly: Assembly, camera: Camera, shape: Array, motion: Array | None = None
+) -> tuple[Array, Array]:
     """Lower left and upper right corner of a picture, around free parts and nearby held parts.
 
-    Arguments: `shape` (2,): width and height of the picture, in any unit.
+    Arguments: `shape` (2,): width and height of the picture, in any unit; `motion` (N, 6): small
+    motion of the parts, which the picture shows before and after it.
     """
     geometry = assembly.geometry
-    flat = camera.flat(geometry.vertices)
-    free = ~geometry.grounded[geometry.vertex_part]
+    corners, owner = geometry.vertices, geometry.vertex_part
+    if motion is not None:
+        corners = np.append(corners, moved_points(assembly, motion, corners, owner), axis=0)
+        owner = np.append(owner, owner)
+    flat = camera.flat(corners)
+    free = ~geometry.grounded[owner]
     wanted = flat[free] if free.any() else flat
     low, high = wanted.min(axis=0), wanted.max(axis=0)
     reach = HELD_IN_VIEW * float((high - low).max())

@@ -248,17 +248,17 @@ KEYS = 25
 """Number of key frames of a track along the motion."""
 
 
-def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
+def film_of_motion(assembly: Assembly, travel: Array, name: str = "motion") -> bytes:
     """Encode the start of a motion as a GLB film: the parts accelerate, then pause.
 
     Arguments: `travel` (N, 6): finite screw motion of each part (`kilter.rigid.screwed`): shift
-    [length unit] and rotation vector [rad].
+    [length unit] and rotation vector [rad]; `name`: name of the animation.
     """
     film, share = Film(assembly), np.linspace(0.0, 1.0, KEYS)
     times, amounts = np.append(MOVES * share, MOVES + RESTS), np.append(share**2, 1.0)
     for part in np.flatnonzero(travel.any(axis=1)).tolist():
         _move(film, assembly, part, times, *screwed(travel[part], amounts))
-    return film.to_bytes("motion")
+    return film.to_bytes(name)
 
 
 def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:

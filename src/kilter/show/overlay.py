@@ -202,14 +202,22 @@ def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]
     return rows
 
 
-def _outlines(axes: Axes, lines: Array, words: str) -> list[tuple[Any, str]]:
-    """Draw the outlines of displaced parts as dashed lines; return the legend entry."""
+def draw_outlines(
+    axes: Axes, assembly: Assembly, camera: Camera, parts: Index, words: str
+) -> list[tuple[Any, str]]:
+    """Draw the edges of parts at rest as dashed lines; return the legend entry with `words`."""
+    lines = [camera.flat(corners[pairs]) for _, corners, pairs in _corners(assembly, parts)]
+    return _outlines(axes, np.concatenate(lines), words, PALE)
+
+
+def _outlines(axes: Axes, lines: Array, words: str, colour: str = MOTION) -> list[tuple[Any, str]]:
+    """Draw the outlines of parts as dashed lines; return the legend entry."""
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
     style: dict[str, Any] = {"linewidths": 0.9, "linestyles": (0, (4, 2.4)), "alpha": 0.75}
-    axes.add_collection(LineCollection(list(lines), colors=MOTION, zorder=3, **style))
-    sign = Line2D([], [], color=MOTION, linewidth=0.9, linestyle=(0, (4, 2.4)), alpha=0.75)
+    axes.add_collection(LineCollection(list(lines), colors=colour, zorder=3, **style))
+    sign = Line2D([], [], color=colour, linewidth=0.9, linestyle=(0, (4, 2.4)), alpha=0.75)
     return [(sign, words)]
 
 

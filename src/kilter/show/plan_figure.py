@@ -39,10 +39,11 @@ MOST_TURN = 0.5
 """Largest magnified rotation [rad]."""
 
 
-def magnification(movement: Array, size: float) -> float:
+def magnification(movement: Array, size: float, most_turn: float = MOST_TURN) -> float:
     """Factor by which movements, shape (N, 6), are magnified in a picture of a size [length unit].
 
-    It is 1, 2 or 5 times a power of ten, and at least 1.
+    The largest rotation becomes at most `most_turn` [rad]. The factor is 1, 2 or 5 times a power of
+    ten, and at least 1.
 
     Examples
     --------
@@ -51,7 +52,7 @@ def magnification(movement: Array, size: float) -> float:
     """
     shift = float(np.linalg.norm(movement[:, :3], axis=1).max(initial=0.0))
     turn = float(np.linalg.norm(movement[:, 3:], axis=1).max(initial=0.0))
-    most = min(SHARE * size / max(shift, 1e-300), MOST_TURN / max(turn, 1e-300), 1e9)
+    most = min(SHARE * size / max(shift, 1e-300), most_turn / max(turn, 1e-300), 1e9)
     power = 10.0 ** np.floor(np.log10(max(most, 1.0)))
     steps = [step for step in (1.0, 2.0, 5.0) if step * power <= max(most, 1.0)]
     return float(steps[-1] * power)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix
 from kilter.show.colours import assembly_colours
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
@@ -47,18 +47,20 @@ def draw_parts(
     colours: NDArray[np.uint8] | None = None,
     gripped: Collection[int] = (),
     line_width: float = 0.8,
+    motion: Array | None = None,
 ) -> tuple[list[tuple[Any, str]], list[tuple[int, Array]]]:
     """Draw the parts of an assembly as solids; return legend entries and the drawn faces.
 
     Arguments: `size`: size of the picture [length unit]; `colours` (N, 3): colours of the parts,
-    from 0 to 255; by default those of `assembly_colours`; `line_width`: width of edges [pt].
+    from 0 to 255; by default those of `assembly_colours`; `line_width`: width of edges [pt];
+    `motion` (N, 6): small motion of the parts after which they are drawn (`moved_points`).
     Returns `entries`: legend entries; `faces`: drawn faces, the farthest first; corners on the
     page, shape (n, 2).
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    ordered = back_to_front(part_polygons(assembly), camera)
+    ordered = back_to_front(part_polygons(assembly, motion), camera)
     grounded = np.array([part.grounded for part in assembly.parts])
     if colours is None:
         colours = assembly_colours(assembly, place_shapes(assembly).shape)
@@ -103,14 +105,26 @@ def draw_parts(
     return [(sign, "held")], faces
 
 
-def part_polygons(assembly: Assembly) -> list[Polygon]:
-    """The triangles of all parts as polygons in the world."""
+def moved_points(assembly: Assembly, motion: Array, points: Array, parts: Index | int) -> Array:
+    """Points, shape (n, 3), of parts, (n,), after a small motion of the parts, shape (N, 6).
+
+    The displacements are linear in the motion, so contacts that stay closed meet at any scale.
+    """
+    arms = points - assembly.geometry.center[parts]
+    moved: Array = points + motion[parts, :3] + np.cross(motion[parts, 3:], arms)
+    return moved
+
+
+def part_polygons(assembly: Assembly, motion: Array | None = None) -> list[Polygon]:
+    """The triangles of all parts as polygons in the world, after a small motion (N, 6) if given."""
     places = place_shapes(assembly)
     matrices = quaternion_to_matrix(places.rotation)
     polygons: list[Polygon] = []
     for k, chosen in enumerate(places.shape):
         shape = places.shapes[chosen]
         corners = shape.positions.astype(np.float64) @ matrices[k].T + places.position[k]
+        if motion is not None:
+            corners = moved_points(assembly, motion, corners, k)
         polygons += visible_triangles(corners, shape.triangles, shape.edges, k)
     return polygons
 
