@@ -7,6 +7,7 @@ they are: those of joints, loads, bonds and given contacts do not follow a part 
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 
@@ -331,7 +332,37 @@ def bounds(geometry: Geometry, chosen: Mask) -> Array:
 
 
 def _lowest_along(geometry: Geometry, ups: Array, chosen: Mask) -> Array:
-    """Height of the lowest point of the chosen parts along each upward unit vector, shape (n,)."""
+    """Height of the lowest point of the chosen parts along each upward unit vector, shape (n,).
+
+    Changed copies of an assembly (with other held parts, joints or loads) have the same points, so
+    the heights of recent assemblies with curved surfaces are kept by their content.
+    """
+    if not len(geometry.surfaces):
+        return _found_lowest(geometry, ups, chosen)
+    surfaces = geometry.surfaces
+    digest = hashlib.blake2b(digest_size=16)
+    for array in (
+        *(geometry.vertices, geometry.vertex_start, geometry.triangles),
+        *(geometry.triangle_surface, chosen, ups),
+        *(getattr(surfaces, field.name) for field in dataclasses.fields(surfaces)),
+    ):
+        digest.update(array.tobytes())
+    key = digest.digest()
+    if key not in _RECENT:
+        if len(_RECENT) >= RECENT_HEIGHTS:
+            _RECENT.clear()
+        _RECENT[key] = _found_lowest(geometry, ups, chosen)
+    return _RECENT[key].copy()
+
+
+RECENT_HEIGHTS = 64
+"""Number of heights that are kept."""
+_RECENT: dict[bytes, Array] = {}
+"""Heights of recent assemblies, by a digest of their geometry, the directions and the parts."""
+
+
+def _found_lowest(geometry: Geometry, ups: Array, chosen: Mask) -> Array:
+    """The heights of `_lowest_along`."""
     sides, heights = _longest_sides(geometry), []
     for up in ups:
         low = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])

@@ -41,7 +41,7 @@ def pack(values: ArrayLike, code: str = "f4") -> dict[str, Any]:
         code = "u2" if array.max(initial=0) < 2**16 else "u4"
     kind: DTypeLike = np.dtype(CODES[code])
     data = np.ascontiguousarray(array, dtype=kind).tobytes()
-    compressed = zlib.compress(data, 9) if len(data) >= COMPRESSED else data
+    compressed = zlib.compress(data) if len(data) >= COMPRESSED else data
     if len(compressed) < len(data):
         return {"type": code, "zlib": base64.b64encode(compressed).decode("ascii")}
     return {"type": code, "data": base64.b64encode(data).decode("ascii")}

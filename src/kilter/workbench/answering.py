@@ -314,8 +314,6 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         }
         for pair in data["open_pairs"][:LISTED]
     ]
-    suggestions = suggest_joints(verdict.assembly, verdict.contact_set) if complete else []
-    moves = _relative_motion(verdict)
     return {
         "phase": phase,
         "given": build_orientation(answers, answers.given, center)
@@ -323,20 +321,29 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         "facts": [[term, words] for term, words in facts(data) if term not in NOT_LISTED],
         "warnings": list(data["warnings"]),
         "open": pairs,
-        "suggestions": [
-            {
-                "parts": list(one.parts),
-                "kind": one.kind,
-                "words": one.why,
-                "fixed": one.fixed,
-                "decides": one.fixed and one.kind in FASTENED and moves(*one.parts),
-            }
-            for one in suggestions[:LISTED]
-        ],
+        "suggestions": _suggestions(verdict) if complete else [],
         "settle": settle_offer(verdict) if complete and data["verdict"] not in LASTING else None,
         "html": answer_html(data) if complete else "",
         "check": {key: data[key] for key in ("verdict", "level", "why")},
     }
+
+
+def _suggestions(verdict: Verdict) -> list[dict[str, Any]]:
+    """Pairs that look fastened, and whether a joint of the pair prevents the found motion."""
+    found = suggest_joints(verdict.assembly, verdict.contact_set)
+    if not found:
+        return []
+    moves = _relative_motion(verdict)
+    return [
+        {
+            "parts": list(one.parts),
+            "kind": one.kind,
+            "words": one.why,
+            "fixed": one.fixed,
+            "decides": one.fixed and one.kind in FASTENED and moves(*one.parts),
+        }
+        for one in found[:LISTED]
+    ]
 
 
 def _relative_motion(verdict: Verdict) -> Callable[[str, str], bool]:

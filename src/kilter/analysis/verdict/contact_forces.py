@@ -174,11 +174,14 @@ class ContactForces(Record):
         return self._selected(k, np.flatnonzero((self.pairs == k).any(axis=1)))
 
 
-def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSet) -> ContactForces:
+def find_contact_forces(
+    program: Program, proof: ForceProof, contacts: ContactSet, *, shares: bool = True
+) -> ContactForces:
     """Compute the contact forces that an answer shows, for a proved equilibrium.
 
     These are the forces with the least sum of squares. If the program has more than `LIMIT` rows,
-    or if they do not pass as a proof, the forces of `proof` are shown instead.
+    or if they do not pass as a proof, the forces of `proof` are shown instead. `shares`: whether
+    the share of the friction that each patch needs is computed.
 
     Examples
     --------
@@ -199,7 +202,7 @@ def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSe
     count = len(patch)
     normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)
     center = _pressure_centers(program, patch_of, count, along)
-    known = len(program.part_a) <= LIMIT
+    known = shares and len(program.part_a) <= LIMIT
     none = np.full(count, np.nan)
     utilisation = _friction_needed(program, rows, force, patch_of, along) if known else none
     found = {

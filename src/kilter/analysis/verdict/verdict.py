@@ -158,8 +158,8 @@ class Verdict(InCells, SupportedAnswer):
     seconds_left: InPython[float | None] = None
     """Remainder of the time limit after the verdict [s]; None without a time limit."""
     brief: InPython[bool] = False
-    """Whether z, kappa and the displacements are left out in any case: a first answer, since their
-    program takes ten times longer than equilibrium."""
+    """Whether z, kappa, displacements, neutral motions and shares of friction are left out in any
+    case: a first answer, since their programs take ten times longer than equilibrium."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
@@ -568,7 +568,8 @@ class Verdict(InCells, SupportedAnswer):
         proof = self.evidence
         if not isinstance(proof, ForceProof):
             return None
-        return sealed(find_contact_forces(self.program, proof, self.contact_set))
+        shares = not self.brief
+        return sealed(find_contact_forces(self.program, proof, self.contact_set, shares=shares))
 
     @on_one_thread
     def force_ranges(
@@ -701,7 +702,7 @@ class Verdict(InCells, SupportedAnswer):
     @key
     def neutral(self) -> Neutral | None:
         """Numbers of neutral motions, which cost no energy; null if they were not counted."""
-        return find_neutral(self.modelled)
+        return None if self.brief else find_neutral(self.modelled)
 
     @property
     @key
