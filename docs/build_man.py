@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from kilter.cli.guide import as_text, title, topics
 from kilter.cli.overview import GROUPS
+from kilter.tell.guide_pages import as_text, title, topics
 
 DOCS = Path(__file__).resolve().parent
 PAGE = DOCS / "kilter.1"

@@ -102,6 +102,10 @@ def test_the_help_lists_the_keys_and_leads_around(user):
     page.press("?")
     assert page.page.is_visible("#help")
     assert "hold or release" in page.page.inner_text("#help")
+    with page.page.context.expect_page() as opened:
+        page.page.click("#help a:has-text('straps')")
+    assert opened.value.inner_text("body").startswith("WHICH STRAPS")
+    opened.value.close()
     page.page.click("#help button:has-text('Close')")
     assert not page.page.is_visible("#help")
     page.page.click("#show-help")

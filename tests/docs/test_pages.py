@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from kilter.cli import main
-from kilter.cli.guide import as_text, shipped, topics
+from kilter.cli.guide import shipped
+from kilter.tell.guide_pages import as_text, topics
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"

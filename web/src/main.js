@@ -11,7 +11,7 @@ import { Workbench } from "./workbench/bench.js";
 
 const page = pageData(id("data").textContent);
 if (page && page.workbench) {
-  window.bench = new Workbench(page.workbench.token);
+  window.bench = new Workbench(page.workbench);
 } else if (page) {
   id("show").hidden = false;
   window.kilter = page.plan ? new Plan(page) : new Report(page);

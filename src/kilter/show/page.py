@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+from collections.abc import Sequence
 from importlib import resources
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
@@ -150,7 +151,7 @@ WORKBENCH = {
 """Asset files of the workbench, by the slot of the template."""
 
 
-def workbench_page(token: str) -> str:
-    """HTML of the page of the workbench."""
-    data = as_json({"workbench": {"token": token}})
+def workbench_page(token: str, guides: Sequence[Sequence[str]] = ()) -> str:
+    """HTML of the page of the workbench; `guides`: name and title of each page of its help."""
+    data = as_json({"workbench": {"token": token, "guides": guides}})
     return fill_template("", "", data, live=True, pieces=WORKBENCH)

@@ -34,6 +34,7 @@ from kilter.files.writing import dump
 from kilter.scenes.registry import scene
 from kilter.show.page import workbench_page
 from kilter.show.thumbnail import thumbnail
+from kilter.tell.guide_pages import as_text, title, topics
 from kilter.values.guesses import guarded
 from kilter.workbench.connections import (
     EVERY_ADDRESS,
@@ -56,6 +57,8 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+READ = ("tutorials", "guides")
+"""Kinds of pages of the documentation that the help lists."""
 WAITING = 64
 """Messages that wait for a slow page; with more, the page is disconnected and connects again."""
 
@@ -110,6 +113,7 @@ def _name_of(host: str) -> str:
 def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str]) -> Starlette:
     """The ASGI application of a session."""
     guard = _Guard(token, hosts)
+    guides = [[topic, title(path)] for topic, path in topics().items() if path.parent.name in READ]
 
     def guarded(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
         async def endpoint(request: Request) -> Response:
@@ -129,7 +133,8 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
 
     async def page(request: Request) -> Response:
         return HTMLResponse(
-            workbench_page(token), headers={"Content-Security-Policy": "frame-ancestors 'self'"}
+            workbench_page(token, guides),
+            headers={"Content-Security-Policy": "frame-ancestors 'self'"},
         )
 
     async def upload(request: Request) -> Response:
@@ -150,6 +155,12 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             raise InputError(f"there is no picture of {name!r:.40}")
         return Response(thumbnail(scene(name)), media_type="image/svg+xml")
 
+    async def guide(request: Request) -> Response:
+        pages, topic = topics(), request.path_params["topic"]
+        if topic not in pages:
+            raise InputError(f"there is no page {topic!r:.40}")
+        return PlainTextResponse(as_text(pages[topic].read_text(encoding="utf-8")))
+
     async def live(socket: WebSocket) -> None:
         if guard.refusal(socket):
             await socket.close(4403)
@@ -163,6 +174,7 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             Route("/upload", guarded(upload), methods=["POST"]),
             Route("/export/{kind}", guarded(export)),
             Route("/picture/{name}", guarded(picture)),
+            Route("/guide/{topic}", guarded(guide)),
             WebSocketRoute("/live", live),
         ]
     )

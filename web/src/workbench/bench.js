@@ -28,13 +28,12 @@ const PROBE = 80; // least time between two questions about a direction of gravi
 const SHOWN = 6000; // a message of success is shown for this time [ms]
 
 export class Workbench {
-  constructor(token) {
+  constructor({ token, guides }) {
     this.session = null;
     this.answer = null;
     document.body.classList.add("bench");
     this.layout = new Layout();
     this.layout.opened = (name) => name === "gravity" && this.mapDirections();
-    this.help = new Help();
     this.start = new Start(this);
     this.forces = new Forces(this);
     this.parts = new PartActions(this);
@@ -58,6 +57,7 @@ export class Workbench {
     });
     document.addEventListener("keydown", (e) => this.key(e));
     this.link = new Link(token, (message) => this.hear(message), (connected) => this.connected(connected));
+    this.help = new Help(guides, (path) => this.link.address(path));
   }
 
   /** Keys of the whole page: undo, redo, save, help. */

@@ -22,10 +22,11 @@ const TOUR = [
   ["#panel-list", "Your decisions", "Questions that change the verdict, the direction of gravity, friction and loads, and the display."],
   ["#tabs", "Your questions", "Which way up, how far it may tilt, in which order it can be built, which parts to hold. Each answer has its command line."],
 ];
-const MORE = "Each command explains itself: kilter --help, kilter check --help. The guides are printed by kilter help, without a network.";
+const MORE = "Each command explains itself: kilter --help, kilter check --help. A terminal prints these pages by kilter help.";
 
 export class Help {
-  constructor() {
+  /** `guides`: name and title of each page of the documentation; `address`: as of a link. */
+  constructor(guides, address) {
     this.dialog = make("dialog", "", { id: "help", "aria-label": "help" });
     const list = make("dl", "");
     for (const [keys, words] of KEYS) list.append(make("dt", keys), make("dd", words));
@@ -33,7 +34,14 @@ export class Help {
     const tour = button("Show the tour", () => this.step(0));
     const buttons = make("div", "", { class: "buttons" });
     buttons.append(tour, close);
-    this.dialog.append(make("h2", "Keys"), list, make("p", MORE, { class: "small" }), buttons);
+    const pages = make("ul", "", { class: "guides" });
+    for (const [name, title] of guides) {
+      const item = make("li", "");
+      item.append(make("a", title, { href: address(`guide/${name}`), target: "_blank", rel: "noopener" }));
+      pages.append(item);
+    }
+    const read = guides.length ? [make("h2", "Guides"), pages] : [];
+    this.dialog.append(make("h2", "Keys"), list, ...read, make("p", MORE, { class: "small" }), buttons);
     this.card = make("div", "", { id: "tour", role: "dialog", "aria-label": "tour", hidden: "" });
     document.body.append(this.dialog, this.card);
   }
