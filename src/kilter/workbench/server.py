@@ -110,6 +110,22 @@ def _name_of(host: str) -> str:
     return found[1] if found else ""
 
 
+async def _guide(request: Request) -> Response:
+    """A page of the documentation as text."""
+    pages, topic = topics(), request.path_params["topic"]
+    if topic not in pages:
+        raise InputError(f"there is no page {topic!r:.40}")
+    return PlainTextResponse(as_text(pages[topic].read_text(encoding="utf-8")))
+
+
+async def _picture(request: Request) -> Response:
+    """The picture of an example on the start page."""
+    name = request.path_params["name"]
+    if name not in FEATURED:
+        raise InputError(f"there is no picture of {name!r:.40}")
+    return Response(thumbnail(scene(name)), media_type="image/svg+xml")
+
+
 def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str]) -> Starlette:
     """The ASGI application of a session."""
     guard = _Guard(token, hosts)
@@ -149,18 +165,6 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             headers={"Content-Disposition": f'attachment; filename="{name}"'},
         )
 
-    async def picture(request: Request) -> Response:
-        name = request.path_params["name"]
-        if name not in FEATURED:
-            raise InputError(f"there is no picture of {name!r:.40}")
-        return Response(thumbnail(scene(name)), media_type="image/svg+xml")
-
-    async def guide(request: Request) -> Response:
-        pages, topic = topics(), request.path_params["topic"]
-        if topic not in pages:
-            raise InputError(f"there is no page {topic!r:.40}")
-        return PlainTextResponse(as_text(pages[topic].read_text(encoding="utf-8")))
-
     async def live(socket: WebSocket) -> None:
         if guard.refusal(socket):
             await socket.close(4403)
@@ -173,8 +177,8 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             Route("/", guarded(page)),
             Route("/upload", guarded(upload), methods=["POST"]),
             Route("/export/{kind}", guarded(export)),
-            Route("/picture/{name}", guarded(picture)),
-            Route("/guide/{topic}", guarded(guide)),
+            Route("/picture/{name}", guarded(_picture)),
+            Route("/guide/{topic}", guarded(_guide)),
             WebSocketRoute("/live", live),
         ]
     )
