@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test_what_helps import stack
 from workbench_page import DESK, FLOATS, WorkbenchPage, desk_page, loaded
 
 import kilter
@@ -449,6 +450,23 @@ CONTROLS = {
     "recent *": "test_the_start_page_has_pictures_and_recent_files",
     "examples-title": "test_an_example_is_opened_from_the_start_page",
     "idle-pairs *": "test_pairs_that_change_nothing_are_folded",
+    **dict.fromkeys(
+        (
+            "tab-helps",
+            *("sheet-body *", "sheet-body Apply"),
+            "sheet-controls Try changes",
+            "sheet-controls Try to hold selected parts",
+        ),
+        "test_a_change_that_helps_is_on_the_stage_and_becomes_a_choice",
+    ),
+    **dict.fromkeys(
+        (
+            *("allow-move", "allow-mass", "allow-size", "allow-friction", "stand-tilt"),
+            "sheet-body Save as a file",
+            "sheet-controls Make it stand",
+        ),
+        "test_a_falling_stack_is_made_to_stand",
+    ),
     "tab-changes": CHANGES,
     "tab-orient": TABS,
     "tab-margin": OPTIONS,
@@ -518,7 +536,7 @@ LIST_CONTROLS = """(lists) => {
     if (list) return `${list} *`;
     const box = e.closest("[id]");
     if (!e.classList.contains("link")) return `${box.id} ${labelled(e)}`;
-    return ["suggestions", "open-pairs"].includes(box.id) ? `${box.id} *` : "links *";
+    return ["suggestions", "open-pairs", "sheet-body"].includes(box.id) ? `${box.id} *` : "links *";
   };
   const found = document.querySelectorAll(
     "button, input, select, textarea, summary, a[href], [role=slider], [role=separator],"
@@ -609,6 +627,9 @@ def test_every_control_of_the_page_has_a_test(user, folder):
     for name in ("plan", "margin"):
         tab(page, name)
         look()
+    page = user(stack(0.3))
+    tab(page, "helps")
+    look()
     without = sorted(found - set(CONTROLS))
     assert without == [], "add the control and its test to the table CONTROLS of this file"
     seldom = {

@@ -545,7 +545,10 @@ def test_axe_finds_no_serious_violation(width, scheme, user):
     page.begin()
     page.after(lambda: page.page.click("#listed button"))
     page.choose("low", "high")
-    page.js("document.getElementById('tab-margin').click()")
-    page.until("window.bench.tabs.results.has('margin')", 60)
-    assert violations(page.page) == []
-    assert page.js("document.documentElement.scrollWidth") <= width
+    for name in ("margin", "helps"):
+        page.js("name => document.getElementById(`tab-${name}`).click()", name)
+        page.until(f"window.bench.tabs.results.has('{name}')", 60)
+        if name == "helps":
+            page.page.locator("#sheet-body [data-change]").first.click()
+        assert violations(page.page) == []
+        assert page.js("document.documentElement.scrollWidth") <= width

@@ -5,6 +5,8 @@ import io
 import numpy as np
 import pytest
 from PIL import Image
+from test_what_helps import stack
+from test_workbench_controls import tab_agrees
 from workbench_page import WorkbenchPage, loaded
 
 import kilter
@@ -93,6 +95,102 @@ def test_supports_are_drawn_on_their_parts(user):
     assert held == {one["part"] for one in found if one["kind"] == "grip"}
     page.page.click("#tab-hold")
     assert sum(page.js("[...window.kilter.stage.parts.gripped]")) == 0
+
+
+GRIPPED = "[...window.kilter.stage.parts.gripped]"
+GHOST = "window.kilter.stage.ghost.group.visible"
+
+
+def of_helps(page: WorkbenchPage, label: str) -> dict:
+    """Press a button of the tab "What helps", and return the data of the new answer."""
+    page.page.click(f"#sheet-controls button:has-text('{label}')")
+    page.until("!window.bench.tabs.asked.size && window.bench.tabs.results.has('helps')", 60)
+    return page.js("window.bench.tabs.results.get('helps').data")
+
+
+def test_a_change_that_helps_is_on_the_stage_and_becomes_a_choice(user, capsys, monkeypatch):
+    page = user(stack(0.3))
+    opened_tab(page, "helps")
+    page.choose("low")
+    assert of_helps(page, "Try to hold selected parts")["pushes"][0]["part"] == "low"
+    page.choose()
+    page.page.click("#sheet-controls button:has-text('Try to hold selected parts')")
+    assert page.text("trouble-words").startswith("Select the parts")
+    page.page.click("#end-trouble")
+    listed = of_helps(page, "Try changes")["improvements"]
+    assert tab_agrees(page, "helps", capsys, monkeypatch)["improvements"] == listed
+    k = next(k for k, one in enumerate(listed) if (one["what"], one["parts"]) == ("move", ["high"]))
+    row = page.page.locator("#sheet-body tr [data-change]").nth(k)
+    row.click()
+    assert row.get_attribute("aria-pressed") == "true"
+    assert page.js(GRIPPED) == [0, 0, 1]
+    assert page.js(HANDS)
+    assert page.js(GHOST)
+    assert "part after the change" in page.text("legend")
+    away = page.js(
+        "(() => { const { stage: { ghost, parts } } = window.kilter; ghost.faces.geometry"
+        ".computeBoundingBox(); const { min, max } = ghost.faces.geometry.boundingBox;"
+        " return parts.centre(2).map((c, i) => (min.toArray()[i] + max.toArray()[i]) / 2 - c); })()"
+    )
+    assert away == pytest.approx([listed[k]["by"] * x for x in listed[k]["along"]], abs=1e-6)
+    # a mass has neither an arrow nor another place
+    mass = next(k for k, one in enumerate(listed) if one["what"] == "mass")
+    page.page.locator("#sheet-body [data-change]").nth(mass).click()
+    assert row.get_attribute("aria-pressed") == "false"
+    assert not page.js(HANDS)
+    assert not page.js(GHOST)
+    page.page.locator("#sheet-body [data-change]").nth(mass).click()  # the answer again
+    assert page.js(GRIPPED) == [0, 0, 0]
+    assert "part that is changed" not in page.text("legend")
+    row.click()
+    page.page.click("#tab-helps")  # closed
+    assert (page.js(GRIPPED), page.js(GHOST)) == ([0, 0, 0], False)
+    page.page.click("#tab-helps")
+    assert page.page.locator("#sheet-body [data-make]").nth(k).inner_text() == "Apply"
+    page.after(lambda: page.page.locator("#sheet-body [data-make]").nth(k).click())
+    assert list(page.choices()["poses"]) == ["high"]
+    page.page.click("#tab-margin")
+    page.until("window.bench.tabs.results.has('margin')", 60)
+    found = page.js("window.bench.tabs.results.get('margin').data.tilt_deg")
+    assert found == pytest.approx(listed[k]["limit"], rel=1e-6)
+    page.after(lambda: page.press("Control+z"))
+    assert "poses" not in page.choices()
+
+
+def test_a_falling_stack_is_made_to_stand(user, tmp_path):
+    page = user(stack(0.8))
+    opened_tab(page, "helps")
+    assert "Make it stand" in page.text("sheet-body")
+    page.page.fill("#stand-tilt", "much")
+    stand = "#sheet-controls button:has-text('Make it stand')"
+    page.page.click(stand)
+    assert page.text("trouble-words").startswith("Give the tilt")
+    page.page.fill("#stand-tilt", "5")
+    for name in ("allow-move", "allow-mass"):
+        page.page.uncheck(f"#{name}")
+    page.page.click(stand)
+    assert page.text("trouble-words").startswith("Allow a kind")
+    page.page.click("#end-trouble")
+    page.page.check("#allow-friction")
+    assert not of_helps(page, "Make it stand")["made_stand"]["stands"]
+    page.page.uncheck("#allow-friction")
+    page.page.check("#allow-size")
+    made = of_helps(page, "Make it stand")["made_stand"]
+    assert page.text("tab-command").endswith("--make-stand --allow size --tilt 5")
+    assert page.js(GHOST)  # a single change is shown at once
+    with page.page.expect_download() as download:
+        page.page.click("#sheet-body button:text-is('Save as a file')")
+    assert download.value.suggested_filename == "file.changed.kilter.json"
+    download.value.save_as(tmp_path / "changed.kilter.json")
+    assert kilter.margin(tmp_path / "changed.kilter.json").tilt_deg == pytest.approx(
+        made["tilt_deg"], abs=1e-6
+    )
+    page.page.check("#allow-move")
+    page.page.uncheck("#allow-size")
+    assert len(of_helps(page, "Make it stand")["made_stand"]["changes"]) == 2
+    page.after(lambda: page.page.click("#sheet-body button:text-is('Apply')"))
+    assert page.text("verdict") == "Stable"
+    assert not page.js(GHOST)
 
 
 def test_ranges_of_forces_are_those_of_python(user):

@@ -322,6 +322,17 @@ EFFECTS = [
         {"do": "poses", "poses": {"rod": {"position": [0, 0, 1], "rotation": [1, 0, 0, 0]}}},
         {"poses": {"rod": {"position": [0.0, 0.0, 1.0], "rotation": [1.0, 0.0, 0.0, 0.0]}}},
     ),
+    (
+        {
+            "do": "improve",
+            "label": "hold rod, less friction",
+            "actions": [
+                {"do": "hold", "parts": ["rod"], "on": True},
+                {"do": "friction", "mu": 0.3},
+            ],
+        },
+        {"held": ["rod"], "friction": 0.3},
+    ),
     ({"do": "gravity", "up": "y"}, {"up": "y"}),
     ({"do": "gravity", "down": [0, 0, 2]}, {"gravity": [0.0, 0.0, 9.81]}),
     ({"do": "units", "value": "mm"}, {"units": "mm"}),
@@ -353,6 +364,14 @@ def test_an_entry_of_a_list_is_removed(key, do):
     assert apply({"do": f"{do}_off", "index": 1}, two, BODIES)[0] == one
     with pytest.raises(InputError, match="there is no"):
         apply({"do": f"{do}_off", "index": 2}, two, BODIES)
+
+
+def test_a_change_that_helps_contains_no_other():
+    [one] = [action for action, _ in EFFECTS if action["do"] == "improve"]
+    with pytest.raises(InputError, match="another change"):
+        apply({**one, "actions": [one]}, START, BODIES)
+    with pytest.raises(InputError, match="there is no part"):
+        apply({**one, "actions": [{"do": "hold", "parts": ["none"], "on": True}]}, START, BODIES)
 
 
 def test_loads_are_scaled():

@@ -169,7 +169,7 @@ export class Report extends Look {
     if (fall && fall.places) this.fallTo(fall);
     else parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
     // the position of the brick to add is only right among parts at rest
-    this.stage.ghost.group.visible = Boolean(this.added && !this.amount && !this.apart);
+    this.stage.ghost.group.visible = Boolean(this.added && !(motion && this.amount) && !this.apart);
     this.arrows();
     this.names.place();
     this.stage.draw();

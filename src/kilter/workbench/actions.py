@@ -321,6 +321,17 @@ GRAVITY = 9.81
 """Standard size of gravity, for a direction that the user gives without a size [m/s^2]."""
 
 
+def _improve(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
+    """A change that helps, from several actions; `label` states it in words."""
+    actions = action["actions"]
+    if any(each["do"] == "improve" for each in actions):
+        raise InputError("a change contains another change", hint="reload the page")
+    new = keys
+    for each in actions:
+        new, _ = apply(each, new, bodies)
+    return {key: new.get(key) for key in {**keys, **new}}, str(action["label"])
+
+
 # reading -------------------------------------------------------------------------------
 
 
@@ -373,6 +384,7 @@ ACTIONS: dict[str, Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]] = {
     "material": _material,
     "mass": _mass,
     "poses": _poses,
+    "improve": _improve,
     "friction": _friction,
     "pair_friction": _pair_friction,
     "joint": _joint,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from kilter.analysis.assumptions.rung_verdict import assumed
 from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.everything import MARGIN_PARTS, only_directions, only_given
 from kilter.analysis.force_ranges import ForceRange
-from kilter.analysis.margins.margin import margin
+from kilter.analysis.margins.margin import STAND_TILT, margin
 from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
 from kilter.analysis.planning.order.explained import explain
@@ -40,6 +41,7 @@ from kilter.tell.numbers import count
 from kilter.tell.open_words import lie_words
 from kilter.tell.scene_words import leaving_words, moved_words
 from kilter.units import metres_per_unit
+from kilter.workbench.improvements import helps_data
 from kilter.workbench.live_assembly import OpenedParts, Prepared
 
 # The command line that reproduces what the workbench shows.
@@ -287,7 +289,9 @@ def on_rung(prepared: Prepared, progress: Tell) -> Prepared:
     )
     found = assumed(asked)
     assert found.contacts is not None
-    return replace(prepared, assembly=found.assembly, contacts=found.contacts)
+    poses = [part.pose for part in prepared.assembly.parts]
+    moved = poses != [part.pose for part in found.assembly.parts]
+    return replace(prepared, assembly=found.assembly, contacts=found.contacts, moved=moved)
 
 
 def posed(prepared: Prepared, verdict: Verdict) -> Prepared:
@@ -392,6 +396,28 @@ def _margin(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple
     return answer, ["--pushes"] * pushes + ["--loads"] * loads
 
 
+def _helps(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    ask = partial(margin, prepared.assembly, contacts=prepared.contacts, progress=tell)
+    if options.get("allow") is not None:
+        kinds = _names(options["allow"], "the list of allowed changes")
+        [tilt] = _numbers([options.get("tilt", STAND_TILT)], "the tilt")
+        words = ["--make-stand", "--allow", ",".join(kinds), "--tilt", f"{tilt:.15g}"]
+        return ask(make_stand=kinds, stand_tilt_deg=tilt), words
+    parts = _names(options.get("parts") or [], "the list of parts")
+    words = ["--improve", *(word for name in parts for word in ("--part", name))]
+    return ask(improve=True, pushed=parts or None), words
+
+
+def _names(values: Any, what: str) -> list[str]:
+    """Names in the options of a tab.
+
+    Raises `InputError` if a value is no name.
+    """
+    if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
+        raise InputError(f"{what} is {values!r:.60}", hint="give names")
+    return values
+
+
 def _plan(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
     return plan(prepared.assembly, contacts=prepared.contacts, progress=tell), []
 
@@ -473,6 +499,7 @@ def _contacts(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tup
 TABS = {
     "orient": _orient,
     "margin": _margin,
+    "helps": _helps,
     "plan": _plan,
     "hold": _hold,
     "transport": _transport,
@@ -481,7 +508,7 @@ TABS = {
     "contacts": _contacts,
 }
 """Function of each tab: it returns the answer, and the further words of its command."""
-COMMANDS = {"forces": "check"}
+COMMANDS = {"forces": "check", "helps": "margin"}
 """Command of each tab whose name is not that of its command."""
 
 
@@ -509,7 +536,11 @@ def tab_data(
         "html": ranges_html(data) if name == "forces" else answer_html(data),
         "sentence": data.get("sentence", ""),
         "command": command(COMMANDS.get(name, name), keys, saved, words),
-        **_drawn_data(prepared, answer, center, progress),
+        **(
+            helps_data(answer, prepared, keys, center)
+            if name == "helps"
+            else _drawn_data(prepared, answer, center, progress)
+        ),
     }
 
 

@@ -7,6 +7,7 @@ them to the session.
 from __future__ import annotations
 
 import asyncio
+import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,11 +20,13 @@ from kilter.analysis.assumptions.rungs import rung_of
 from kilter.analysis.check import check_equilibrium
 from kilter.analysis.everything import only_given
 from kilter.arrays import Array
+from kilter.assembly import Assembly
 from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import FREE_STANDING, TURNED, Question
 from kilter.errors import InputError
 from kilter.files.limits import only_below
 from kilter.files.own.choices import digest, find_choices
+from kilter.files.writing import to_text
 from kilter.show.scene import build_orientation, view_box
 from kilter.workbench.answering import (
     PHASES,
@@ -195,6 +198,8 @@ def _stopped() -> InputError:
 
 ELSEWHERE = "if you trust the file, start 'kilter view' with --folder {folder}"
 """Remedy if a file names another file outside of the opened folder."""
+CHANGED = re.compile(r"changed-(\d{1,4})\.kilter\.json", re.ASCII)
+"""Name of the export of a changed assembly, by the number of its change."""
 Report = Callable[[str, Any], None]
 Job = Mapping[str, Any]
 
@@ -210,6 +215,7 @@ class Jobs:
         self._shown: Sequence[str] = ()
         self._prepared: tuple[Any, Prepared] | None = None
         self._at_rung: tuple[Prepared, Prepared] | None = None
+        self._changed: tuple[Any, Sequence[Assembly]] = None, ()
 
     def run(self, job: Job, report: Report) -> None:
         """Run a job; `report` is called with the kind and the data of each result.
@@ -309,6 +315,8 @@ class Jobs:
             center=center,
             progress=_teller(report),
         )
+        if "changed" in data:
+            self._changed = job["keys"], data.pop("changed")
         report("tab", data)
 
     def _probe(self, job: Job, report: Report) -> None:
@@ -331,10 +339,21 @@ class Jobs:
 
     def _export(self, job: Job, report: Report) -> None:
         """Make a file for the user to download."""
+        number = CHANGED.fullmatch(job["kind"])
+        if number is not None:
+            report("file", {"name": job["kind"], "data": self._changed_file(job, int(number[1]))})
+            return
         prepared = self._prepare(job)
         with tempfile.TemporaryDirectory() as folder:
             path = export(job["kind"], prepared, Path(folder), job, _teller(report))
             report("file", {"name": path.name, "data": path.read_bytes()})
+
+    def _changed_file(self, job: Job, number: int) -> bytes:
+        """The file of a changed assembly of the tab "What helps"."""
+        keys, changed = self._changed
+        if keys != job["keys"] or number >= len(changed):
+            raise InputError("the changes are not known any more", hint="compute them again")
+        return to_text(changed[number]).encode()
 
 
 def _teller(report: Report) -> Callable[[str], None]:

@@ -68,6 +68,8 @@ class Prepared:
     tolerance: Tolerance
     left_out: tuple[str, ...]
     """Parts of the file that the choices leave out."""
+    moved: bool = False
+    """Whether parts are in other poses than the file and the choices state."""
 
 
 class LiveAssembly:

@@ -20,6 +20,9 @@ export const pending = (count, down, before) => ({
   assumption: before?.moves.length === count ? before.assumption : null,
 });
 
+/** Words of the legend while a change that helps is shown. */
+const CHANGED = { grip: " part that is changed", hand: " movement of a part", added: " part after the change" };
+
 export class LiveReport extends Report {
   /** Show an answer for gravity as given; the picture of the parts stays. */
   answered(given) {
@@ -90,6 +93,8 @@ export class LiveReport extends Report {
   /** Show a limit case on the stage in place of the answer; null: the answer again. */
   showLimit(limit) {
     this.limit = limit;
+    this.added = Boolean(limit?.ghost);
+    if (this.added) this.stage.ghost.set(limit.ghost, [0, 0, 0], true);
     this.found = null;
     this.turn(this.down);
     for (const name of ["motion", "play"]) id(name).hidden = !this.found.motion;
@@ -127,6 +132,15 @@ export class LiveReport extends Report {
     const arrow = ({ part, point, along }) => ({ at: point ? stage.parts.placeOf(part, point) : stage.parts.centre(part), along, size: 1.3 * this.long, wide: 1.3 * this.long });
     stage.hands.set({ straight: (limit?.pushes ?? []).map(arrow) });
     this.legend();
+  }
+
+  /** List the marks that are drawn; those of a change that helps have other words. */
+  legend() {
+    super.legend();
+    if (!this.stage) return;
+    this.keys ??= Object.fromEntries(Object.keys(CHANGED).map((name) => [name, id(`${name}-key`).lastChild.data]));
+    const words = this.limit?.changes ? CHANGED : this.keys;
+    for (const name of Object.keys(CHANGED)) id(`${name}-key`).lastChild.data = words[name];
   }
 
   tell() {

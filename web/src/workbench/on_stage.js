@@ -1,4 +1,4 @@
-// Results of the tabs on the stage: the film of a plan, the motion at a limit, supports.
+// Results of the tabs on the stage: the film of a plan, the motion at a limit, supports, changes.
 
 import { Film } from "../film.js";
 import { movers } from "../map.js";
@@ -12,7 +12,7 @@ const NONE = ""; // the entry of the list that shows the answer itself
 
 export class OnStage {
   constructor(bench) {
-    Object.assign(this, { bench, shown: null, strip: null, cases: [] });
+    Object.assign(this, { bench, shown: null, strip: null, cases: [], changed: null });
   }
 
   /** Draw the result of the open tab; null: the answer itself. */
@@ -26,6 +26,7 @@ export class OnStage {
     if (name === "margin") this.cases = marginCases(result.data, this.bench);
     if (name === "transport") this.cases = transportCases(result.data);
     if (name === "hold") this.support(result.data.supports ?? []);
+    if (name === "helps" && result.changes.length === 1) this.change(0, result.changes);
   }
 
   clear() {
@@ -33,6 +34,7 @@ export class OnStage {
     this.pause();
     this.strip = null;
     this.cases = [];
+    this.changed = null;
     report.stage.parts.gripped.fill(0);
     if (report.film) {
       report.showFilm(null);
@@ -87,16 +89,33 @@ export class OnStage {
   // supports --------------------------------------------------------------------------
 
   support(supports) {
-    const { report } = this.bench;
-    const { full_names: names } = report.page.parts;
-    const { center } = report.page;
-    const { gripped } = report.stage.parts;
-    gripped.fill(0);
-    for (const { kind, part } of supports) if (kind === "grip") gripped[names.indexOf(part)] = 1;
+    const { full_names: names } = this.bench.report.page.parts;
+    const { center } = this.bench.report.page;
+    const grips = supports.filter(({ kind }) => kind === "grip").map(({ part }) => names.indexOf(part));
     const pushes = supports
       .filter(({ direction, part }) => direction && names.includes(part))
       .map(({ part, point, direction }) => ({ part: names.indexOf(part), point: point && point.map((c, i) => c - center[i]), along: direction }));
-    report.showLimit({ motion: null, moving: [], pushes });
+    this.mark(grips, { pushes });
+  }
+
+  /** Mark parts in the colour of held parts, and show arrows, and bodies beside the parts. */
+  mark(grips, limit) {
+    const { report } = this.bench;
+    const { gripped } = report.stage.parts;
+    gripped.fill(0);
+    for (const k of grips) gripped[k] = 1;
+    report.showLimit({ motion: null, moving: [], ...limit });
+  }
+
+  /** Show a change that helps: its parts, movements, and bodies after it; again: the answer itself. */
+  change(k, changes) {
+    if (!this.bench.report?.stage) return;
+    const again = this.changed === k;
+    this.clear();
+    if (again) return;
+    this.changed = k;
+    const { parts, pushes, ghost } = changes[k];
+    this.mark(parts, { pushes, ghost, changes: true });
   }
 
   // film ------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ import { unpacked } from "../data.js";
 import { id, on } from "../dom.js";
 import { readTables } from "../tables.js";
 import { OnStage } from "./on_stage.js";
+import { Helps } from "./helps.js";
 import { button, entered, entry, numbersOf, refill } from "./entries.js";
 import { roveTabs } from "./layout.js";
 import { Places } from "./places.js";
@@ -15,6 +16,7 @@ const TABS = {
   changes: "Changes",
   orient: "Which way up",
   margin: "Margins",
+  helps: "What helps",
   plan: "Order",
   hold: "What to hold",
   transport: "Transport",
@@ -23,7 +25,7 @@ const TABS = {
   contacts: "Contacts",
   compare: "Compare",
 };
-const AT_ONCE = ["orient", "margin", "plan", "hold", "contacts", "forces"]; // computed when they are opened
+const AT_ONCE = ["orient", "margin", "helps", "plan", "hold", "contacts", "forces"]; // computed when they are opened
 
 export class Tabs {
   constructor(bench) {
@@ -33,6 +35,7 @@ export class Tabs {
     this.now = null;
     this.places = new Places(bench);
     this.onStage = new OnStage(bench);
+    this.helps = new Helps(bench, this.onStage);
     this.strap = new StrapTool(bench);
     this.buttons = Object.entries(TABS).map(([name, label], k) => {
       const element = button(label, () => this.show(this.now === name ? null : name));
@@ -75,6 +78,7 @@ export class Tabs {
   take(message) {
     this.asked.delete(message.name);
     if (message.film) message.film = unpacked(message.film);
+    if (message.changes) message.changes = unpacked(message.changes);
     this.results.set(message.name, message);
     if (message.ball) this.bench.report?.showDirections(unpacked(message.ball));
     if (message.name === this.now) this.draw();
@@ -124,6 +128,7 @@ export class Tabs {
       // the server escapes all words of this text, and the policy of the page allows no program
       body.innerHTML = result.html;
       body.prepend(...this.onStage.content);
+      if (this.now === "helps") this.helps.tell(body, result);
       if (this.bench.report) readTables(this.bench.report.page, id("sheet"));
     } else if (this.asked.has(this.now)) this.tellProgress();
   }
@@ -140,6 +145,7 @@ export class Tabs {
     const drawn = this.onStage.controls();
     if (this.now === "margin") return [again("With the capacity of each part", () => ({ loads: true })), ...drawn];
     if (this.now === "transport") return [...this.transport(), ...drawn];
+    if (this.now === "helps") return this.helps.controls((options) => this.ask(options));
     if (this.now === "place") return this.places.controls((options) => this.ask(options));
     const list = AT_ONCE.includes(this.now) && !result ? [again("Compute", () => ({}))] : [];
     if (this.now === "forces") list.push(...this.between());
