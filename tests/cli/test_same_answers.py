@@ -93,16 +93,41 @@ def answered(capsys: pytest.CaptureFixture[str], code: int, *words: str) -> str:
 def test_the_next_step_of_transport_keeps_the_acceleration(capsys):
     asked = ("lorry.json", "--straps", "weak.json", "--accelerate", ".5g", "0", "0")
     out = answered(capsys, 1, "transport", *asked)
-    (line,) = (line for line in out.splitlines() if line.startswith("next: "))
-    words = shlex.split(line.removeprefix("next: kilter "))
+    words = next_words(out)
     assert words[:4] == ["hold", "lorry.json", "--straps", "weak.json"]
     assert [float(x) for x in words[words.index("--accelerate") + 1 :][:3]] == [0.5 * G, 0, 0]
     assert "falls even with" in answered(capsys, 1, *words)
 
 
-def test_the_next_step_under_a_code_asks_about_the_direction_that_fails(capsys):
-    out = answered(capsys, 1, "transport", "lorry.json", "--code", "en12195")
-    assert "kilter hold lorry.json --accelerate -7.848 0 0" in out
+def next_words(out: str) -> list[str]:
+    (line,) = (line for line in out.splitlines() if line.startswith("next: "))
+    return shlex.split(line.removeprefix("next: kilter "))
+
+
+@pytest.mark.parametrize("given", [[], ["--straps", "weak.json"]], ids=["none", "weak"])
+def test_the_next_step_under_a_code_asks_for_straps_under_this_code(capsys, given):
+    asked = ("--code", "en12195", "--forward", "-1", "0", "0")
+    words = next_words(answered(capsys, 1, "transport", "lorry.json", *given, *asked))
+    assert words[words.index("--straps") + 1] == (given or ["straps.json"])[-1]
+    assert words[words.index("--code") + 1] == "en12195"
+    assert [float(x) for x in words[words.index("--forward") + 1 :][:3]] == [-1, 0, 0]
+    Path("straps.json").write_text(Path("both.json").read_text())
+    out = answered(capsys, 1, *words)
+    assert f"No set of {2 - len(given) // 2} candidate" in out
+    assert "all 4 directions of en12195" in out
+
+
+def test_the_next_step_beside_straps_of_the_file_asks_for_further_straps(capsys):
+    """`hold` searches no supports beside straps, only further straps."""
+    data = json.loads(Path("lorry.json").read_text())
+    Path("tied.json").write_text(
+        json.dumps({**data, "straps": json.loads(Path("weak.json").read_text())})
+    )
+    out = answered(capsys, 1, "transport", "tied.json", "--accelerate", "0.5g", "0", "0")
+    Path("straps.json").write_text(Path("both.json").read_text())
+    words = next_words(out)
+    assert words[-2:] == ["--straps", "straps.json"]
+    assert "1 strap" in answered(capsys, 0, *words)
 
 
 def test_hold_names_the_straps_that_an_acceleration_needs(capsys):

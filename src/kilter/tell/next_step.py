@@ -129,26 +129,31 @@ def next_step(
 
 
 def _held_against(answer: Answer, *, straps: bool) -> NextStep | None:
-    """The search for supports under the first acceleration that is not carried; else None.
+    """The search for supports, or for straps, under the question that is not carried; else None.
 
-    A carrier that turns has no such command.
+    Only straps are searched for a rule, and beside straps of the assembly. A carrier that turns has
+    no such command. Arguments: `straps`: whether the command names a file of straps.
     """
-    for case in answer["cases"]:
-        if case["verdict"] == "unstable":
-            if answer["code"] and straps:
-                ahead = (f"{near_zero(x):.15g}" for x in answer["forward"])
-                return NextStep(
-                    ("hold", "--code", answer["code"], "--forward", *ahead),
-                    "finds the fewest of these straps that hold it in every direction",
-                )
-            if any(case["angular_velocity"]) or any(case["angular_acceleration"]):
-                return None
-            along = (f"{near_zero(x):.15g}" for x in case["acceleration"])
-            return NextStep(
-                ("hold", "--accelerate", *along),
-                "finds the fewest supports, or straps of --straps, that hold it then",
-            )
-    return None
+    failed = next((case for case in answer["cases"] if case["verdict"] == "unstable"), None)
+    if failed is None:
+        return None
+    if answer["code"]:
+        ahead = (f"{near_zero(x):.15g}" for x in answer["forward"])
+        words: tuple[str, ...] = ("hold", "--code", answer["code"], "--forward", *ahead)
+        holds = "that hold it in every direction"
+    elif any(failed["angular_velocity"]) or any(failed["angular_acceleration"]):
+        return None
+    else:
+        words = ("hold", "--accelerate", *(f"{near_zero(x):.15g}" for x in failed["acceleration"]))
+        holds = "that hold it then"
+    if straps:
+        return NextStep(words, f"finds the fewest of these straps {holds}")
+    if answer["code"] or answer["straps"]:
+        listed = "of the list straps.json; 'kilter example straps.json' writes such a list"
+        return NextStep(
+            (*words, "--straps", "straps.json"), f"finds the fewest straps {holds}, {listed}"
+        )
+    return NextStep(words, f"finds the fewest supports, or straps of --straps, {holds}")
 
 
 def _upward_axis(answer: Answer) -> str | None:
