@@ -87,7 +87,11 @@ def brick_changes(
             )
         )
     found.sort(key=lambda change: round(change.limit, SAME_DIGITS))
-    return tuple(replace(each, verdict=_verdict(each.changed, work)) for each in found[:LISTED])
+    first: dict[tuple[str, float], TriedChange] = {}
+    for change in found:  # of bricks with the same effect one is enough
+        first.setdefault((change.what, round(change.limit, SAME_DIGITS)), change)
+    listed = list(first.values())[:LISTED]
+    return tuple(replace(each, verdict=_verdict(each.changed, work)) for each in listed)
 
 
 def _verdict(assembly: Assembly, work: Work) -> str:
@@ -159,6 +163,9 @@ def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -
         for corner, size, speeds in _places(model, cell, motion, near)
         if len(speeds) > 1
     ]
+    # equal places are in the order of their corners, whatever the rounding of the motion
+    most = max((score for score, _, _ in scored), default=1.0) or 1.0
+    scored = [(round(score / most, SAME_DIGITS), corner, size) for score, corner, size in scored]
     number = int(model.number.max()) + 1
     for _, corner, (a, b) in sorted(scored, key=lambda place: (-place[0], place[1:]))[:TRIED]:
         brick = BrickModel(
