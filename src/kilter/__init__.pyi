@@ -1279,6 +1279,8 @@ def report(
     floor: bool | float | None = None,
     title: str = "",
     margins: bool = False,
+    moved: Mapping[str, Any] | None = None,
+    turned: Mapping[str, Any] | None = None,
     command: str = "",
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
@@ -1302,6 +1304,9 @@ def report(
         Title of the page; by default the name of the file.
     margins : bool
         Compute margins even for more than 20 free parts; up to 20 the page always has them.
+    moved, turned : mapping, optional
+        Movements of supports, as in `Verdict.support_movement`: the page plays the movement that
+        follows, magnified, with its hinges.
     command : str
         Command that reproduces the page, shown on it.
     friction : float, optional

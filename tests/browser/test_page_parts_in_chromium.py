@@ -488,3 +488,45 @@ def test_the_plan_of_the_dome_plays(opened, tmp_path):
         assert len(page.js(PICTURED)) == k + 2
         pictures.add(page.drawn())
     assert len(pictures) == 3
+
+
+@pytest.mark.browser
+def test_a_movement_of_supports_plays_with_its_hinges(opened, tmp_path):
+    assembly, out = arch(10, ratio=0.15), tmp_path / "moved.html"
+    moved = {"springer-right": (0.02, 0, 0)}
+    kilter.report(assembly, out, moved=moved)
+    found = kilter.check(assembly).support_movement(moved)
+    page = opened(out)
+    words = page.text("supports-words")
+    assert words.startswith(found.sentence)
+    factor = float(words.rsplit(" x ", 1)[1].rstrip("."))
+    places = "window.kilter.page.parts.names.map((_, k) => window.kilter.stage.parts.centre(k))"
+    rest = np.array(page.js(places))
+    page.slide("supports-at", 1)
+    shifts = np.array(page.js(places)) - rest
+    assert shifts == pytest.approx(factor * found.motion[:, :3], abs=1e-5)
+    assert np.linalg.norm(shifts, axis=1).max() > 0.03 * np.ptp(rest, axis=0).max()
+    hinges = page.js("window.kilter.movement.hinges.map((hinge) => hinge.at)")
+    center = np.array(page.js("window.kilter.page.center"))
+    assert len(hinges) == len(found.opened) == 3
+    for at, contact in zip(hinges, found.opened, strict=True):
+        assert np.array(at) + center == pytest.approx(contact.hinge, abs=1e-6)
+    balls = "window.kilter.stage.hinges.group.children.at(-1).count"
+    assert page.js(balls) == 3
+    assert page.page.is_visible("#hinge-key")
+    # forces and contacts are those at rest
+    assert not page.page.is_visible("#force-key")
+    page.slide("supports-at", 0)
+    assert np.array(page.js(places)) == pytest.approx(rest, abs=1e-6)
+    page.page.click("#supports-play")
+    assert page.text("supports-play") == "Pause"
+    page.until("window.kilter.shifted === 1", 20)
+    assert page.text("supports-play") == "Play"
+    text = page.js("document.querySelector('.text').textContent")
+    assert "Supports that move" in text
+    assert "--move springer-right" not in text  # the command is that of the caller
+
+
+@pytest.mark.browser
+def test_a_page_without_a_movement_has_no_card_of_supports(opened):
+    assert not opened("arch").page.is_visible("#supports")

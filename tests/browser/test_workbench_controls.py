@@ -331,6 +331,8 @@ LADDER = "test_a_rung_is_chosen_by_click_by_row_and_by_key_as_one_change"
 BLINK = "test_bodies_have_colours_and_loose_bodies_blink_once_and_are_selected"
 TABS = "test_analyses_are_tabs_with_their_command"
 PLACE = "test_places_are_mapped_by_the_button"
+SUPPORTS = "test_a_support_moves_by_typed_numbers_as_in_python"
+MOVED = "test_a_movement_of_supports_plays_with_its_hinges"
 CONTROLS = {
     # the bar, the start page, the notices, the command
     "open-file": WRONG,
@@ -375,6 +377,8 @@ CONTROLS = {
     "mass-form Set": "enter",
     "do-load": PARTS,
     "load-form Add": "enter",
+    "do-move": SUPPORTS,
+    "move-form Move this support": "enter",
     # pairs
     "do-join": PAIR,
     "do-touching": PAIR,
@@ -446,6 +450,8 @@ CONTROLS = {
     "tab-forces": "test_ranges_of_forces_are_those_of_python",
     "sheet-controls All pairs": "test_ranges_of_forces_are_those_of_python",
     "sheet-controls Between the two selected parts": "test_ranges_of_forces_are_those_of_python",
+    "tab-supports": SUPPORTS,
+    "sheet-controls Move all back": SUPPORTS,
     "featured *": "test_the_start_page_has_pictures_and_recent_files",
     "recent *": "test_the_start_page_has_pictures_and_recent_files",
     "examples-title": "test_an_example_is_opened_from_the_start_page",
@@ -501,6 +507,8 @@ CONTROLS = {
     # the fall, the display
     "fall-play": FALL,
     "fall-at": FALL,
+    "supports-play": MOVED,
+    "supports-at": MOVED,
     "motion": "test_a_slider_moves_parts",
     "play": "test_the_motion_plays",
     "explode": "test_all_stays_in_the_frame_pulled_apart_and_turned",
@@ -608,6 +616,11 @@ def test_every_control_of_the_page_has_a_test(user, folder):
         look()
         page.page.click("#sheet-controls button:has-text('Cancel')")
         tab(page, "forces")
+        look()
+        page.choose("base")
+        page.page.fill("#do-move", "0 0 -0.01")
+        page.page.press("#do-move", "Enter")
+        page.until("window.bench.tabs.results.has('supports')", 60)
         look()
         page.page.click("#tab-margin")
         look()  # while it is computed

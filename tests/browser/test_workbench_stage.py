@@ -211,6 +211,52 @@ def test_ranges_of_forces_are_those_of_python(user):
     page.until("window.bench.tabs.results.get('forces')?.data.ranges.length === 21", 60)
 
 
+def test_a_support_moves_by_typed_numbers_as_in_python(user):
+    page = user("arch")
+    places = "window.kilter.page.parts.names.map((_, k) => window.kilter.stage.parts.centre(k))"
+    rest = np.array(page.js(places))
+    page.page.click("#tab-supports")
+    assert "Select a held part" in page.text("sheet-controls")
+    page.choose("voussoir-3")
+    assert not page.page.is_visible("#move-form")  # a free part is no support
+    for name, way in (("springer-left", "-0.01 0 0"), ("springer-right", "0.01 0 0")):
+        page.choose(name)
+        page.page.fill("#do-move", way)
+        page.page.press("#do-move", "Enter")
+        page.until("window.bench.tabs.results.has('supports')", 60)
+    data = page.js("window.bench.tabs.results.get('supports').data.movement")
+    ways = {"springer-left": (-0.01, 0, 0), "springer-right": (0.01, 0, 0)}
+    expected = kilter.check(scene("arch")).support_movement(ways)
+    assert data["sentence"] == expected.sentence
+    assert data["least_work"]["value"] == pytest.approx(expected.least_work.value, rel=1e-9)
+    for shown, one in zip(data["opened"], expected.opened, strict=True):
+        assert shown["hinge"] == pytest.approx(one.hinge)
+    assert page.text("tab-command").endswith(
+        "--move springer-left=-0.01,0,0 --move springer-right=0.01,0,0"
+    )
+    assert expected.sentence in page.text("sheet-body")
+    # the picture shows the whole movement
+    assert page.text("supports-words").startswith(expected.sentence)
+    factor = float(page.text("supports-words").rsplit(" x ", 1)[1].rstrip("."))
+    shift = np.array(page.js("[...window.kilter.movement.motion]")).reshape(-1, 6)
+    assert shift == pytest.approx(factor * expected.motion, abs=1e-4)
+    assert np.array(page.js(places)) - rest == pytest.approx(shift[:, :3], abs=1e-5)
+    assert page.page.is_visible("#hinge-key")
+    # a support that moves by nothing is taken back; then all of them
+    page.page.fill("#do-move", "0 0 0")
+    page.page.press("#do-move", "Enter")
+    page.until("window.bench.tabs.results.has('supports')", 60)
+    assert page.text("tab-command").endswith("--move springer-left=-0.01,0,0")
+    page.page.click("#sheet-controls button:has-text('Move all back')")
+    assert not page.page.is_visible("#supports")
+    assert np.array(page.js(places)) == pytest.approx(rest, abs=1e-6)
+    # a movement that is too large is a sentence
+    page.page.fill("#do-move", "5 0 0")
+    page.page.press("#do-move", "Enter")
+    page.until("Boolean(window.bench.tabs.results.get('supports')?.error)", 60)
+    assert "more than a tenth of the size" in page.text("sheet-error")
+
+
 def equilibrium(assembly: Assembly) -> Verdict:
     """The verdict of level equilibrium, apart from the page."""
     return check_equilibrium(assembly, kilter.contacts(assembly))

@@ -95,6 +95,31 @@ def test_the_command_on_the_page_makes_the_page_again():
 
 
 @pytest.mark.slow
+def test_the_page_has_the_movement_of_supports_and_its_command(capsys):
+    kilter.dump(arch(6, ratio=0.2), "arch.json")
+    words = ["--move", "springer-right=0.01,0,0", "--turn-support", "springer-left=0,1,0,0.01"]
+    assert main(["report", "arch.json", "-o", "out.html", "--quiet", *words]) == 0
+    page = Path("out.html").read_text(encoding="utf-8")
+    moved, turned = {"springer-right": (0.01, 0, 0)}, {"springer-left": (0, 1, 0, 0.01)}
+    found = kilter.check(kilter.load("arch.json")).support_movement(moved, turned)
+    data = data_of(page)["movement"]
+    assert data["words"].startswith(found.sentence)
+    factor = float(data["words"].rsplit(" x ", 1)[1].rstrip("."))
+    motion = unpack(data["motion"]).reshape(-1, 6)
+    assert motion == pytest.approx(factor * found.motion, abs=1e-5)
+    assert len(data["hinges"]) == sum(contact.hinge is not None for contact in found.opened)
+    assert "Supports that move" in page
+    assert f"{found.least_work.value:.5g} to {found.greatest_work.value:.5g} J" in page
+    command = "report arch.json -o out.html --move springer-right=0.01,0,0"
+    assert f"kilter {command} --turn-support springer-left=0,1,0,0.01" in page
+
+
+def test_a_page_of_an_assembly_that_falls_plays_no_movement():
+    page = kilter.report(arch(6, ratio=0.05), moved={"springer-right": (0.001, 0, 0)})
+    assert data_of(page.html)["movement"] is None
+    assert "The assembly falls, however little its supports move." in page.html
+
+
 def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(monkeypatch):
     import kilter.analysis.everything as module
 

@@ -653,6 +653,32 @@ def test_a_wrong_pair_of_a_range_is_a_sentence(pair):
         )
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({}, "no support moves"),
+        ({"moved": ["base"]}, "no support moves"),
+        ({"moved": {"base": [0, 0, "down"]}}, "the movement is"),
+        ({"moved": {"base": 1}}, "the movement is"),
+        ({"moved": {"base": [0, 1]}}, "base"),
+        ({"moved": {"cube-1": [0, 0, 0.001]}}, "'cube-1' is not held"),
+    ],
+)
+def test_a_wrong_movement_of_a_support_is_a_sentence(options, said):
+    assembly = scene("tower")
+    prepared = Prepared(assembly, kilter.contacts(assembly), Tolerance(), ())
+    with pytest.raises(InputError, match=said):
+        tab_data(
+            "supports",
+            prepared,
+            START,
+            options,
+            saved=None,
+            center=np.zeros(3),
+            progress=lambda words: None,
+        )
+
+
 def test_a_joint_may_decide_unless_a_known_motion_does_not_need_it():
     """Of a pair that falls as a single body a joint stops nothing; without a motion it may."""
     table = Part("table", Box([9, 9, 1]), [0, 0, -0.5], grounded=True)

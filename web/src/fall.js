@@ -49,9 +49,6 @@ export function overhang(parts, { center, radius }, extent, shifts) {
   return [0, 1, 2].map((i) => Math.max(0, ...parts.map((k, m) => beyond(k, i, shifts[m][i]))));
 }
 
-/** Share of the path after a share of the time; the fall accelerates evenly. */
-export const paced = (time) => Math.min(1, Math.max(0, time)) ** 2;
-
 /** Words for a place of the path: its length and its energy. */
 export const placeWords = (units, { length, energy: joules }) =>
   `${number(length, 3)} ${units} along the path, energy ${energy(joules).replace("-", "−")}`;

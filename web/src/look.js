@@ -218,7 +218,7 @@ export class Look {
       }));
     stage.loads.set({ straight });
     // the straps lie on the parts at rest
-    stage.straps.set(this.apart || this.amount || this.fell ? {} : strapRods(this.page));
+    stage.straps.set(this.apart || this.amount || this.fell || this.shifted ? {} : strapRods(this.page));
     stage.open.set(id("show-open").checked ? openMarks(stage) : {});
     this.measure.follow();
     this.legend();
@@ -244,6 +244,7 @@ export class Look {
       open: some(stage.open),
       load: some(stage.loads),
       strap: some(stage.straps),
+      hinge: some(stage.hinges),
       added: stage.ghost.group.visible,
       seat: stage.lines.visible,
       gauge: some(stage.gauge),

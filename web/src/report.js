@@ -5,13 +5,14 @@ import { HELD, answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
 import { bodyColour, ramp, rampOf, rgb, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
-import { Graph, fallen, frictionWords, overhang, paced, placeWords } from "./fall.js";
+import { Clip } from "./clip.js";
+import { Graph, fallen, frictionWords, overhang, placeWords } from "./fall.js";
 import { id, on } from "./dom.js";
 import { Ladder } from "./ladder.js";
 import { Look } from "./look.js";
 import { deepest } from "./map.js";
 import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
-import { reachOf } from "./pose.js";
+import { reachOf, turn } from "./pose.js";
 import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
 import { Places } from "./workbench/places.js";
@@ -36,7 +37,6 @@ const TONES = {
 };
 const RESTS = { minimum: "◆ strict minimum", balanced: "✕ balanced", open: "◇ open" };
 const SNAP = (3 * Math.PI) / 180; // a thin region attracts the arrow within this angle [rad]
-const FALLS = 2400; // duration of the animated fall [ms]
 const BLOCKED = 0.01; // a motion that stops before this share of its length is blocked
 const ENTERING = "the parts would enter each other at a contact that the motion leaves out";
 const VISIBLE = 0.2; // a moving part is visible if at least this share of it is not hidden [-]
@@ -52,6 +52,9 @@ export class Report extends Look {
     this.down = page.given.down;
     this.amount = 0;
     this.fell = 0;
+    this.shifted = 0;
+    this.fallClip = new Clip("fall", 2, (share) => this.fall(share));
+    this.supportClip = new Clip("supports", 1, (share) => this.shift(share));
     this.ball = new Ball(id("ball"), page, (u, how, step) => this.pull(u, how, step));
     this.ball.marked = (words) => {
       id("marks-key").hidden = !words.length;
@@ -63,6 +66,7 @@ export class Report extends Look {
     this.turn(this.down);
     this.begin();
     if (page.given.assumption) this.ladder.tell(page.given.assumption);
+    if (page.movement) this.showMovement(page.movement);
     if (page.places) new Places({ report: this }).tell({ data: page.places, place: page.places.part });
     if (this.stage) {
       this.stage.begun = () => this.reveal();
@@ -76,6 +80,7 @@ export class Report extends Look {
     this.painted = undefined;
     this.changed = false;
     this.added = null;
+    if (this.movement) this.showMovement(null);
     this.ball.replace(page);
     super.replace(page);
   }
@@ -166,7 +171,8 @@ export class Report extends Look {
     if (!this.stage) return;
     const { parts } = this.stage;
     const { motion, fall } = this.found;
-    if (fall && fall.places) this.fallTo(fall);
+    if (this.shifted) this.displace(...this.moved(this.shifted));
+    else if (fall && fall.places) this.fallTo(fall);
     else parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
     // the position of the brick to add is only right among parts at rest
     this.stage.ghost.group.visible = Boolean(this.added && !(motion && this.amount) && !this.apart);
@@ -198,12 +204,17 @@ export class Report extends Look {
 
   /** Place the parts at the current point of their fall, pulled apart by the explode slider. */
   fallTo(fall) {
-    const { center } = this.page.parts;
     const { shifts, turns } = fallen(fall, this.fell);
+    this.displace(fall.parts, shifts, turns);
+  }
+
+  /** Shift and turn some parts about their centres of mass, and pull all parts apart. */
+  displace(list, shifts, turns) {
+    const { center } = this.page.parts;
     const apart = (k) => [0, 1, 2].map((i) => this.apart * center[3 * k + i]);
     const all = Array.from({ length: center.length / 3 }, (_, k) => apart(k));
     const turned = [];
-    fall.parts.forEach((k, m) => {
+    list.forEach((k, m) => {
       all[k] = all[k].map((c, i) => c + shifts[m][i]);
       turned[k] = turns[m];
     });
@@ -214,7 +225,7 @@ export class Report extends Look {
   showFall() {
     const { fall } = this.found;
     const shown = Boolean(fall && fall.places);
-    this.stopFall();
+    this.fallClip.stop();
     if (this.fell) {
       this.fell = 0;
       this.stage.spread(this.spreading());
@@ -246,32 +257,36 @@ export class Report extends Look {
   /** Half lengths of the box that the view must show, including the fallen parts. */
   spreading() {
     const box = super.spreading();
-    return this.fell ? box.map((e, i) => e + this.outside[i]) : box;
+    return this.fell || this.movement ? box.map((e, i) => e + this.outside[i]) : box;
   }
 
-  /** Play the fall on from its current point, from the start if it is over; or pause it. */
-  playFall() {
-    if (this.falling) {
-      this.stopFall();
-      return;
+  /** Show the magnified movement of parts with their supports, at a share of it; null: none. */
+  showMovement(movement, share = 0) {
+    this.supportClip.stop();
+    this.movement = movement;
+    id("supports").hidden = !movement;
+    if (movement) id("supports-words").textContent = movement.words;
+    this.shift(share);
+  }
+
+  /** Set the share of the movement of supports, from 0 to 1. */
+  shift(share) {
+    this.shifted = this.movement ? share : 0;
+    id("supports-at").value = String(this.shifted);
+    if (this.movement) {
+      const [all, shifts] = this.moved(1);
+      this.outside = overhang(all, this.page.parts, this.page.extent, shifts);
     }
-    const from = this.fell < 1 ? Math.sqrt(this.fell) : 0;
-    const started = performance.now();
-    this.falling = started;
-    id("fall-play").textContent = "Pause";
-    const step = (now) => {
-      if (this.falling !== started) return;
-      const time = from + Math.max(0, now - started) / FALLS;
-      this.fall(paced(time));
-      if (time >= 1) this.stopFall();
-      else requestAnimationFrame(step);
-    };
-    requestAnimationFrame(step);
+    if (this.stage) this.stage.spread(this.spreading());
+    this.repose();
   }
 
-  stopFall() {
-    this.falling = null;
-    id("fall-play").textContent = "Play";
+  /** Parts, shifts and turns after a share of the movement of supports; parts that meet stay near. */
+  moved(share) {
+    const { motion } = this.movement;
+    const all = Array.from({ length: motion.length / 6 }, (_, k) => k);
+    const three = (i) => [0, 1, 2].map((j) => share * motion[i + j]);
+    return [all, all.map((k) => three(6 * k)), all.map((k) => turn(...three(6 * k + 3)))];
   }
 
   /** Amount of the motion at the end of its slider: the largest without overlap of parts. */
@@ -300,18 +315,19 @@ export class Report extends Look {
   arrows() {
     const { stage, found } = this;
     const motion = found.fall ? found.fall.begins : found.motion;
-    const moving = motion && !this.fell && id("show-motion").checked ? this.movers() : [];
+    const rests = !this.fell && !this.shifted;
+    const moving = motion && rests && id("show-motion").checked ? this.movers() : [];
     // many arrows are drawn shorter, so that they do not cover each other
     const long = this.long * (moving.length > 20 ? 0.5 : 1);
     stage.motion.set(moving.length ? motionArrows(stage, motion, moving, long) : {});
     let label = found.forces ? "contact forces" : "contact forces: none for this direction";
-    // the forces balance the parts at rest, not at a later point of the fall
-    const forces = found.forces && !this.fell && id("show-forces").checked;
+    // the forces balance the parts at rest, not at a later point of a movement
+    const forces = found.forces && rests && id("show-forces").checked;
     id("show-forces").disabled = !found.forces;
     id("motion-check").hidden = !motion;
     for (const name of ["force-mode-row", "thrust-row", "size-row"]) id(name).hidden = !forces;
     id("thrust-key").hidden = !forces || !id("show-thrust").checked;
-    stage.parts.patches.visible = !this.fell && id("show-contacts").checked;
+    stage.parts.patches.visible = rests && id("show-contacts").checked;
     if (forces) {
       const size = this.forceLength() * Number(id("force-size").value);
       const each = id("force-mode").value === "point";
@@ -327,6 +343,9 @@ export class Report extends Look {
       id("use-key").hidden = true;
     }
     id("force-label").textContent = label;
+    const size = 0.018 * this.page.radius;
+    const hinges = this.movement?.hinges ?? [];
+    stage.hinges.set({ ball: hinges.map(({ part, at }) => ({ at: stage.parts.placeOf(part, at), along: [0, 1, 0], size })) });
     this.paint();
     this.marks();
   }
@@ -437,11 +456,6 @@ export class Report extends Look {
     });
     on("motion", "input", () => this.slide("amount", "motion"));
     on("play", "click", () => this.play());
-    on("fall-at", "input", () => {
-      this.stopFall();
-      this.fall(Number(id("fall-at").value));
-    });
-    on("fall-play", "click", () => this.playFall());
     on("cards", "click", (e) => e.target.id === "show-change" && this.showChange());
     on("colour-of", "change", () => this.repose());
     const { forces } = this.page.given;
@@ -468,7 +482,7 @@ export class Report extends Look {
       : "unstable with the frictionless contacts alone, from slightly to strongly";
     id("ramp").hidden = !page.map || deepest(page.map) === 0;
     this.keys();
-    for (const part of this.stage ? [] : ["fall-play", "fall-at"]) id(part).hidden = true;
+    for (const part of this.stage ? [] : ["fall-play", "fall-at", "supports-play", "supports-at"]) id(part).hidden = true;
     id("bond-pull").textContent = pullWords(page.given.forces && page.given.forces.pull);
   }
 

@@ -56,6 +56,7 @@ export class Stage {
     this.hands = new Arrows();
     this.gauge = new Arrows();
     this.straps = new Arrows();
+    this.hinges = new Arrows();
     this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.lines.frustumCulled = false;
     this.lines.visible = false;
@@ -67,7 +68,7 @@ export class Stage {
     // arrows are drawn after the parts, with a separate depth buffer, so that they lie on top
     this.over = new Scene();
     this.overRoot = new Group();
-    for (const arrows of [this.motion, this.forces, this.loads, this.open, this.hands, this.gauge, this.straps]) {
+    for (const arrows of [this.motion, this.forces, this.loads, this.open, this.hands, this.gauge, this.straps, this.hinges]) {
       this.overRoot.add(arrows.group);
     }
     this.over.add(this.overRoot);
@@ -494,6 +495,7 @@ export class Stage {
     this.hands.theme(style("grip"), style("surface"));
     this.loads.theme(style("ink"), style("surface"));
     this.straps.theme(style("ink"), style("surface"));
+    this.hinges.theme(style("ink"), style("surface"));
     this.gauge.theme(style("link"), style("surface"));
     this.open.theme(style("open"), style("ink"));
     this.lines.material.color.set(style("soft"));

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { fallen, frictionWords, line, overhang, paced, placeWords } from "../src/fall.js";
+import { paced } from "../src/clip.js";
+import { fallen, frictionWords, line, overhang, placeWords } from "../src/fall.js";
 import { turned } from "../src/pose.js";
 import { energy } from "../src/words.js";
 
@@ -53,7 +54,7 @@ test("the graph goes down from rest to the least energy", () => {
 });
 
 test("the fall accelerates", () => {
-  assert.deepEqual([paced(-1), paced(0), paced(0.5), paced(1), paced(3)], [0, 0, 0.25, 1, 1]);
+  assert.deepEqual([paced(-1, 2), paced(0, 2), paced(0.5, 2), paced(1, 2), paced(3, 2), paced(0.5, 1)], [0, 0, 0.25, 1, 1, 0.5]);
 });
 
 test("words for a place with its unit, and for friction", () => {

@@ -22,6 +22,7 @@ from kilter.analysis.margins.tried_changes import TriedChange
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.regions.well import find_rests
+from kilter.analysis.support_movement import SupportMovement
 from kilter.analysis.turning.orientation import Orientation, orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict.displacement import find_displacement
@@ -143,18 +144,27 @@ class Everything:
     """The change of the margins that helps most, if it is a brick to add or to remove."""
     notes: Sequence[str]
     """Sentences about omitted answers, with the reasons."""
+    movement: SupportMovement | None = None
+    """The movement of the parts with their supports, if supports move."""
 
     def __repr__(self) -> str:
         return f"Everything({self.given.check['verdict']!r}, {len(self.assembly.parts)} parts)"
 
 
 @question(lacks="require", own_rungs=True)
-def everything(asked: Question, *, margins: bool = False) -> Everything:
+def everything(
+    asked: Question,
+    *,
+    margins: bool = False,
+    moved: Mapping[str, Any] | None = None,
+    turned: Mapping[str, Any] | None = None,
+) -> Everything:
     """Compute all answers about an assembly that a page shows.
 
     Arguments: `time_limit`: time limit of all answers together [s]; `margins`: whether margins are
-    computed without a limit of size. Raises `InputError` if no
-    part is held, or if the geometry is not usable.
+    computed without a limit of size; `moved`, `turned`: movements of supports, as in
+    `Verdict.support_movement`. Raises `InputError` if no part is held, if the geometry is not
+    usable, or if a movement is invalid.
 
     Examples
     --------
@@ -166,6 +176,7 @@ def everything(asked: Question, *, margins: bool = False) -> Everything:
     asked.assembly.require_grounded()
     verdict = check(asked.but(contacts=detect.touching(asked), verb=check.__name__))
     assembly, contacts = _final(verdict), verdict.contact_set
+    movement = verdict.support_movement(moved or {}, turned or {}) if moved or turned else None
     tell("motion")
     given = full_answer(verdict)
     notes: list[str] = []
@@ -202,6 +213,7 @@ def everything(asked: Question, *, margins: bool = False) -> Everything:
         margin=None if limits is None else limits.to_dict(),
         change=None if limits is None else _brick_change(limits),
         notes=tuple(notes),
+        movement=movement,
     )
 
 

@@ -42,7 +42,7 @@ from kilter.units import metres_per_unit
 LARGEST = 0.1
 """Largest movement of a support [size of the smallest free part that moves with it]."""
 ROUNDED = 1e-10
-"""Turn of a part times its radius that counts as 0 [movement of the supports]."""
+"""Shift, or turn of a part times its radius, that counts as 0 [movement of the supports]."""
 SHORT = 1e-8
 """Weight of the motion beside that of the openings in the choice of the motion [-]."""
 
@@ -258,9 +258,9 @@ def _record(
             forces=None,
         )  # fmt: skip
     scale = float(np.abs(_speeds(program, twist)).max(initial=TINY))
-    # smaller turns are rounding
-    still = np.abs(motion[:, 3:]) * program.radius[:, None] < ROUNDED * scale
-    motion[:, 3:][still] = 0.0
+    # smaller movements are rounding
+    sizes = np.abs(motion) * np.where(np.arange(6) < 3, 1.0, program.radius[:, None])
+    motion[(sizes < ROUNDED * scale) & program.free[:, None]] = 0.0
     opened = _opened(program, motion, forces[0], OPENS_BY_MOVING * scale)
     violation = -float(row_openings(program, motion).min(initial=0.0))
     metres, weight = metres_per_unit(program.units), float(program.weight[program.free].sum())

@@ -35,6 +35,8 @@ class ReportOptions:
     margins: bool = option(
         "--margins", "Compute margins for more than 20 free parts, too. This may take minutes."
     )
+    move: list[str] | None = Move()
+    turn_support: list[str] | None = TurnSupport()
 
 
 @asks(searches=True, answers=False)
@@ -54,7 +56,10 @@ def report(asked: Asked, options: ReportOptions) -> int:
         raise InputError("the name of the page is missing", hint="add -o out.html")
     publish.require_ending(options.output, publish.PAGES, "page")
     asked.apart(options.output)
+    moved, turned = moved_supports(options.move, options.turn_support)
     typed = ["-o", str(options.output), *["--margins"] * options.margins]
+    typed += [word for words in options.move or () for word in ("--move", words)]
+    typed += [word for words in options.turn_support or () for word in ("--turn-support", words)]
     with Progress(asked.quiet, lines=True) as progress:
         assembly, contacts = asked.read(progress)
         page = publish.report(
@@ -63,6 +68,8 @@ def report(asked: Asked, options: ReportOptions) -> int:
             title=publish.title_of(asked.file),
             **asked.shared(publish.report, contacts, progress),
             margins=options.margins,
+            moved=moved,
+            turned=turned,
             command=asked.command("report", *typed),
         )
     size = len(page.html.encode("utf-8")) / 1e6

@@ -221,20 +221,13 @@ def _draw_movement(
 
     found = known_movement(verdict, moved, turned)
     assembly, program = verdict.assembly, verdict.program
-    hinges = [
-        (assembly.index_of(contact.parts[0]), np.asarray(contact.hinge))
-        for contact in found.opened
-        if contact.hinge is not None
-    ]
     supports = []
     for support in found.supports:
         part = assembly.index_of(support.part)
         points = program.point[(program.part_a == part) | (program.part_b == part)]
         center = assembly.geometry.center[part]
         supports.append((part, points.mean(axis=0) if len(points) else center))
-    return draw_support_movement(
-        assembly, found.motion, supports, hinges, found.sentence, found.exact, view=view
-    )
+    return draw_support_movement(assembly, found, supports, view=view)
 
 
 def _draw_places(answer: Places) -> Figure:

@@ -219,13 +219,13 @@ def _film_of_movement(
     verdict: Verdict, moved: Mapping[str, Any], turned: Mapping[str, Any]
 ) -> bytes:
     """GLB film of the magnified movement of the parts after a movement of supports."""
-    from kilter.show.glb_film import film_of_motion
-    from kilter.show.support_figure import movement_factor
+    from kilter.show.glb_film import film_of_movement
+    from kilter.show.movement_scene import movement_factor
     from kilter.tell.numbers import number
 
     motion = known_movement(verdict, moved, turned).motion
     factor = movement_factor(verdict.assembly, motion)
-    return film_of_motion(verdict.assembly, factor * motion, f"movement x {number(factor)}")
+    return film_of_movement(verdict.assembly, factor * motion, f"movement x {number(factor)}")
 
 
 def _film_of_mechanism(answer: Transport) -> bytes:

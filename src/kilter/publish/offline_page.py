@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,6 +48,8 @@ def report(
     asked: Question,
     title: str = "",
     margins: bool = False,
+    moved: Mapping[str, Any] | None = None,
+    turned: Mapping[str, Any] | None = None,
     command: str = "",
 ) -> Report:
     """Build an offline page: the assembly in 3D, its motion and forces, the gravity ball.
@@ -66,6 +68,9 @@ def report(
         Title of the page; by default the name of the file.
     margins : bool
         Compute margins even for more than 20 free parts; up to 20 the page always has them.
+    moved, turned : mapping, optional
+        Movements of supports, as in `Verdict.support_movement`: the page plays the movement that
+        follows, magnified, with its hinges.
     command : str
         Command that reproduces the page, shown on it.
 
@@ -93,7 +98,7 @@ def report(
     if places is not None and places.question is not None:
         subject, asked = places.assembly, asked.but(contacts=places.question.contacts)
     page = _plan_page(subject, title, command, asked) or _page(
-        subject, asked, places=places, title=title, margins=margins, command=command
+        subject, asked, places, title, command, margins=margins, moved=moved, turned=turned
     )
     if out is not None:
         from kilter.files import write_text
@@ -136,13 +141,12 @@ def _plan_page(subject: Any, title: str, command: str, asked: Question) -> Repor
 def _page(
     assembly: Any,
     asked: Question,
-    *,
     places: Places | None,
     title: str,
     command: str,
-    margins: bool,
+    **options: Any,
 ) -> Report:
-    """Build the page of an assembly, with the arguments of `report` and `view`."""
+    """Build the page of an assembly; `options` are those of `everything`."""
     from kilter.analysis.everything import everything
     from kilter.assembly.assembly import require_assembly
     from kilter.show.page import render
@@ -155,7 +159,7 @@ def _page(
             hint="leave parts out with assembly.without(...), or use kilter.check",
             option="leave parts out with --without NAME, or use 'kilter check'",
         )
-    answers = everything(asked.but(assembly=assembly), margins=margins)
+    answers = everything(asked.but(assembly=assembly), **options)
     asked.tell("page")
     name = title or title_of(assembly.source or "an assembly")
     html = render(answers, name, command=command, places=places)

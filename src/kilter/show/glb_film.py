@@ -248,25 +248,34 @@ KEYS = 25
 """Number of key frames of a track along the motion."""
 
 
-def film_of_motion(assembly: Assembly, travel: Array, name: str = "motion") -> bytes:
+def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
     """Encode the start of a motion as a GLB film: the parts accelerate, then pause.
 
     Arguments: `travel` (N, 6): finite screw motion of each part (`kilter.rigid.screwed`): shift
-    [length unit] and rotation vector [rad]; `name`: name of the animation.
+    [length unit] and rotation vector [rad].
     """
     film, share = Film(assembly), np.linspace(0.0, 1.0, KEYS)
     times, amounts = np.append(MOVES * share, MOVES + RESTS), np.append(share**2, 1.0)
     for part in np.flatnonzero(travel.any(axis=1)).tolist():
         _move(film, assembly, part, times, *screwed(travel[part], amounts))
-    return film.to_bytes(name)
+    return film.to_bytes("motion")
 
 
-def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
+def film_of_movement(assembly: Assembly, movement: Array, name: str) -> bytes:
+    """Encode a small movement of the parts, shape (N, 6), as a GLB film with a named animation.
+
+    The centres of mass move on straight lines, so parts that meet stay near each other.
+    """
+    share = np.linspace(0.0, 1.0, KEYS)
+    return film_of_fall(assembly, share[:, None, None] * movement, share, name)
+
+
+def film_of_fall(assembly: Assembly, motions: Array, lengths: Array, name: str = "fall") -> bytes:
     """Encode the fall of parts along a path as a GLB film: the parts accelerate, then pause.
 
     Arguments: `motions` (k, N, 6): shifts of the centres of mass [length unit] and rotation vectors
     [rad]; the first row is the rest position; `lengths` (k,): length of the path up to each row
-    [length unit].
+    [length unit]; `name`: name of the animation.
     """
     from scipy.spatial.transform import Rotation
 
@@ -275,7 +284,7 @@ def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
     for part in np.flatnonzero(motions.any(axis=(0, 2))).tolist():
         turns = Rotation.from_rotvec(path[:, part, 3:]).as_matrix()
         _move(film, assembly, part, times, turns, path[:, part, :3])
-    return film.to_bytes("fall")
+    return film.to_bytes(name)
 
 
 def _move(

@@ -37,7 +37,7 @@ SLOTS = ("bar", "above", "rungs", "panels", "side", "actions", "later", "motion"
 """Slots of the template that hold asset files of one kind of page."""
 REPORT = {
     "motion": "motion.html",
-    "player": "fall.html",
+    "player": "fall.html supports.html",
     "side": "ball.html",
     "panels": "ladder.html",
 }
@@ -146,7 +146,7 @@ WORKBENCH = {
     "actions": "bench_actions.html",
     "later": "bench_forces.html ball.html",
     "motion": "motion.html",
-    "player": "bench_tabs.html fall.html",
+    "player": "bench_tabs.html fall.html supports.html",
 }
 """Asset files of the workbench, by the slot of the template."""
 

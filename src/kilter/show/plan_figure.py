@@ -19,6 +19,7 @@ from kilter.rigid import Pose
 from kilter.show.canvas import INK, PAPER, label, legend, new_figure, title
 from kilter.show.colours import assembly_colours
 from kilter.show.figures import NAMED, camera_of, draw_picture
+from kilter.show.movement_scene import magnification
 from kilter.show.overlay import GHOSTS, MOTION, draw_displaced, draw_gravity, draw_names
 from kilter.show.painter import Camera
 from kilter.show.shapes import place_shapes
@@ -31,31 +32,6 @@ if TYPE_CHECKING:
 
 
 # Figure of small movements: the drawn assembly, and dashed outlines at magnified movements.
-
-
-SHARE = 0.12
-"""Length of the farthest movement in the figure, over the size of the picture [-]."""
-MOST_TURN = 0.5
-"""Largest magnified rotation [rad]."""
-
-
-def magnification(movement: Array, size: float, most_turn: float = MOST_TURN) -> float:
-    """Factor by which movements, shape (N, 6), are magnified in a picture of a size [length unit].
-
-    The largest rotation becomes at most `most_turn` [rad]. The factor is 1, 2 or 5 times a power of
-    ten, and at least 1.
-
-    Examples
-    --------
-    >>> magnification(np.array([[0.001, 0, 0, 0, 0, 0]]), 1.0)
-    100.0
-    """
-    shift = float(np.linalg.norm(movement[:, :3], axis=1).max(initial=0.0))
-    turn = float(np.linalg.norm(movement[:, 3:], axis=1).max(initial=0.0))
-    most = min(SHARE * size / max(shift, 1e-300), most_turn / max(turn, 1e-300), 1e9)
-    power = 10.0 ** np.floor(np.log10(max(most, 1.0)))
-    steps = [step for step in (1.0, 2.0, 5.0) if step * power <= max(most, 1.0)]
-    return float(steps[-1] * power)
 
 
 def largest_movements(movement: Array, count: int) -> Array:

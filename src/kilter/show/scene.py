@@ -14,6 +14,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.show.colours import assembly_colours
 from kilter.show.ladder_card import build_ladder
+from kilter.show.movement_scene import build_movement
 from kilter.show.packing import pack, readable
 from kilter.show.round_patches import round_patches
 from kilter.show.shapes import ShapeMesh, place_shapes
@@ -48,6 +49,9 @@ def build_scene(answers: Everything) -> dict[str, Any]:
         | {"assumption": build_ladder(answers.given.check, answers.assembly)},
         **build_directions(answers, center),
         "change": _change(answers, center),
+        "movement": None
+        if answers.movement is None or not answers.movement.moves
+        else build_movement(answers.movement, answers.assembly, center),
         "notes": list(answers.notes),
     }
 

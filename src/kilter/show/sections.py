@@ -20,6 +20,7 @@ from kilter.tell.tables import (
     Table,
     forces_table,
     load_table,
+    movement_tables,
     moving_table,
     open_table,
     push_table,
@@ -73,7 +74,7 @@ def name_html(name: str) -> str:
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """HTML of all text sections of a report's page, below the picture."""
     parts = [_verdict(answers), _open_pairs(answers), _parts(answers), _contacts(answers)]
-    parts[2:2] = [_rests(answers), _pushes(answers), _loads(answers)]
+    parts[2:2] = [_movement(answers), _rests(answers), _pushes(answers), _loads(answers)]
     warnings = [
         *answers.given.check["warnings"],
         *(answers.region or {}).get("warnings", ()),
@@ -109,6 +110,13 @@ def ranges_html(data: Mapping[str, Any]) -> str:
     """HTML of ranges of contact forces: a sentence and a table."""
     table = ranges_table(data)
     return f"<p>{text(data['sentence'])}</p><h3>{text(table.title)}</h3>{_table(table)}"
+
+
+def movement_html(data: Mapping[str, Any]) -> str:
+    """HTML of a movement of supports: the outcome, contacts that open, and movements of parts."""
+    opened, *moves = movement_tables(data)
+    rest = [f"<h3>{text(table.title.rstrip(':'))}</h3>{_table(table)}" for table in moves]
+    return "".join([f"<p>{text(opened.title)}</p>", _table(opened) if opened.head else "", *rest])
 
 
 def section(title: str, *body: str, rows: int = 0) -> str:
@@ -189,6 +197,15 @@ def margin_card(answers: Everything) -> str:
         f'<h2 id="margins-title">Margins, gravity as given</h2>{facts_html(rows)}'
         f"{button}</section>\n"
     )
+
+
+def _movement(answers: Everything) -> str:
+    """HTML section with the movement of supports; empty if no support moves."""
+    found = answers.movement
+    if found is None:
+        return ""
+    data = {"movement": found.to_dict(), "units": answers.assembly.units}
+    return section("Supports that move", movement_html(data))
 
 
 def _rests(answers: Everything) -> str:

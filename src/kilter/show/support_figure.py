@@ -10,6 +10,7 @@ import numpy as np
 from kilter.arrays import Array, Index
 from kilter.show.canvas import INK, PAPER, legend, title
 from kilter.show.figures import NAMED, draw_picture, show_whole, side_view
+from kilter.show.movement_scene import hinges_of, movement_factor, movement_words
 from kilter.show.overlay import (
     FORCE,
     GHOSTS,
@@ -19,7 +20,6 @@ from kilter.show.overlay import (
     draw_names,
     draw_outlines,
 )
-from kilter.show.plan_figure import magnification
 from kilter.show.solids import moved_points
 from kilter.tell.numbers import number
 from kilter.tell.palette import ROLES
@@ -27,13 +27,12 @@ from kilter.tell.palette import ROLES
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from kilter.analysis.support_movement import SupportMovement
     from kilter.assembly import Assembly
 
 
 THRUST = ((FORCE, "o"), (ROLES["limit"].light, "s"))
 """Colour and mark of the line of least and of greatest thrust."""
-MOST_TURN = 0.2
-"""Largest magnified rotation [rad]: linear displacements stretch a part by 2 % then."""
 FLAT = 1e-6
 """Largest share of a motion out of a plane, at which the figure shows this plane [-]."""
 
@@ -73,21 +72,17 @@ def draw_thrust(
 
 def draw_support_movement(
     assembly: Assembly,
-    motion: Array,
+    found: SupportMovement,
     supports: Sequence[tuple[int, Array]],
-    hinges: Sequence[tuple[int, Array]],
-    sentence: str,
-    exact: bool,
     *,
     view: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw an assembly after a magnified movement of its supports, with hinges and the drawn pose.
 
-    Arguments: `motion` (N, 6): translation [length unit] and rotation [rad] of each part;
-    `supports`: each moved support and a point of it; `hinges`: a part at each hinge and its point
-    (3,); `exact`: whether the movement obeys Coulomb's law; `view`: azimuth and elevation of the
-    eye [deg], by default across a plane motion.
+    Arguments: `supports`: each moved support and a point of it, shape (3,); `view`: azimuth and
+    elevation of the eye [deg], by default across a plane motion.
     """
+    motion, hinges = found.motion, hinges_of(assembly, found)
     if view is None:
         across = _normal(assembly, motion)
         view = None if across is None else side_view(assembly, across)
@@ -118,17 +113,9 @@ def draw_support_movement(
     if len(assembly.parts) <= NAMED:
         draw_names(axes, assembly, faces)
     draw_gravity(axes, camera)
-    title(figure, f"{sentence} Movements x {number(factor)}{'' if exact else ', not exact'}.")
+    title(figure, f"{found.sentence} {movement_words(found, factor)}")
     legend(figure, entries)
     return figure
-
-
-def movement_factor(assembly: Assembly, motion: Array) -> float:
-    """Factor by which a picture of an assembly magnifies a small motion of its parts, (N, 6)."""
-    corners = assembly.geometry.vertices
-    free = ~assembly.geometry.grounded[assembly.geometry.vertex_part]
-    size = float(np.ptp(corners[free] if free.any() else corners, axis=0).max())
-    return magnification(motion, size, MOST_TURN)
 
 
 def _normal(assembly: Assembly, motion: Array) -> Array | None:

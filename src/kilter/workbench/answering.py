@@ -21,6 +21,7 @@ from kilter.analysis.planning.order.explained import explain
 from kilter.analysis.planning.order.order import Order
 from kilter.analysis.planning.order.plan import plan
 from kilter.analysis.settled_pose.settle import settle
+from kilter.analysis.support_movement import SupportMovement
 from kilter.analysis.transport.transport import transport
 from kilter.analysis.turning.orientation import Orientation, orient
 from kilter.analysis.verdict.verdict import Verdict
@@ -32,9 +33,10 @@ from kilter.errors import InputError, shell_words
 from kilter.files.own.choices import Choices, option_words
 from kilter.files.own.saved_entries import with_interactions
 from kilter.show.ladder_card import build_ladder
+from kilter.show.movement_scene import build_movement
 from kilter.show.plan_scene import build_film
 from kilter.show.scene import build_directions, build_orientation, build_things
-from kilter.show.sections import answer_html, placed_part, ranges_html
+from kilter.show.sections import answer_html, movement_html, placed_part, ranges_html
 from kilter.tell.facts import facts
 from kilter.tell.levels import REQUIRE
 from kilter.tell.numbers import count
@@ -492,6 +494,33 @@ class _Ranges:
         return {"ranges": [one.to_dict() for one in self.ranges], "sentence": sentence}
 
 
+def _supports(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    moved = options.get("moved")
+    if not isinstance(moved, dict) or not moved:
+        raise InputError(
+            "no support moves", hint="select a held part, and give its movement below its name"
+        )
+    ways = {name: _numbers(way, "the movement") for name, way in moved.items()}
+    words = [f"{name}={','.join(f'{x:.15g}' for x in way)}" for name, way in ways.items()]
+    verdict = prepared_check(prepared, "complete", tell)
+    answer = _Moved(verdict.support_movement(ways), verdict.assembly)
+    return answer, [word for one in words for word in ("--move", one)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    """A movement of supports as an answer."""
+
+    found: SupportMovement
+    assembly: Assembly
+
+    def to_dict(self) -> dict[str, Any]:
+        """The data of the movement, with its sentence."""
+        movement = self.found.to_dict()
+        sentence = self.found.sentence
+        return {"movement": movement, "units": self.assembly.units, "sentence": sentence}
+
+
 def _contacts(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
     return prepared.contacts, []
 
@@ -505,11 +534,14 @@ TABS = {
     "transport": _transport,
     "place": _place,
     "forces": _forces,
+    "supports": _supports,
     "contacts": _contacts,
 }
 """Function of each tab: it returns the answer, and the further words of its command."""
-COMMANDS = {"forces": "check", "helps": "margin"}
+COMMANDS = {"forces": "check", "supports": "check", "helps": "margin"}
 """Command of each tab whose name is not that of its command."""
+WRITES = {"forces": ranges_html, "supports": movement_html}
+"""Function that writes the HTML of each tab that is no answer of a command."""
 
 
 def tab_data(
@@ -533,7 +565,7 @@ def tab_data(
     return {
         "name": name,
         "data": data,
-        "html": ranges_html(data) if name == "forces" else answer_html(data),
+        "html": WRITES.get(name, answer_html)(data),
         "sentence": data.get("sentence", ""),
         "command": command(COMMANDS.get(name, name), keys, saved, words),
         **(
@@ -553,4 +585,6 @@ def _drawn_data(prepared: Prepared, answer: Any, center: Array, progress: Tell) 
         return {"film": build_film(answer, explain(answer), center)}
     if isinstance(answer, Places) and answer.prism is not None:
         return {"place": placed_part(answer.prism)}
+    if isinstance(answer, _Moved) and answer.found.moves:
+        return {"movement": build_movement(answer.found, answer.assembly, center)}
     return {}

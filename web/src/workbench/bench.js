@@ -144,6 +144,7 @@ export class Workbench {
     if (before && before.file !== session.file) {
       id("show").hidden = true; // until the parts of the other file arrive
       this.other = true;
+      this.tabs.moved = {};
     }
   }
 

@@ -25,6 +25,7 @@ export class OnStage {
     if (name === "plan" && result.film?.steps.length) this.begin(result.film);
     if (name === "margin") this.cases = marginCases(result.data, this.bench);
     if (name === "transport") this.cases = transportCases(result.data);
+    if (name === "supports" && result.movement) report.showMovement(result.movement, 1);
     if (name === "hold") this.support(result.data.supports ?? []);
     if (name === "helps" && result.changes.length === 1) this.change(0, result.changes);
   }
@@ -40,6 +41,7 @@ export class OnStage {
       report.showFilm(null);
       report.stage.home();
     }
+    if (report.movement) report.showMovement(null);
     if (report.limit) report.showLimit(null);
     else if (this.shown) report.turn(report.down);
   }

@@ -24,6 +24,7 @@ export class PartActions {
       this.edited = null;
       return index === undefined ? { do: "load", part: parts()[0], force } : { ...load, do: "load", force, index };
     });
+    this.form("move-form", "do-move", 3, (way) => bench.tabs.moveSupport(parts()[0], way));
     on("do-join", "click", () => this.join());
     for (const [name, as] of [["do-touching", "touching"], ["do-apart", "apart"], ["do-undecided", null]]) {
       on(name, "click", () => bench.act({ do: "pair", pairs: [parts()], as }));
@@ -37,13 +38,14 @@ export class PartActions {
     });
   }
 
-  /** Connect a form with a field of `count` numbers to an action. */
+  /** Connect a form with a field of `count` numbers to an action; it may be none. */
   form(form, field, count, action) {
     on(form, "submit", (event) => {
       event.preventDefault();
       const numbers = numbersOf(id(field).value, count);
-      if (numbers) this.bench.act(action(numbers));
-      else this.bench.complain(count > 1 ? `Give ${count} numbers, separated by spaces.` : "Give a number.");
+      const done = numbers && action(numbers);
+      if (done) this.bench.act(done);
+      else if (!numbers) this.bench.complain(count > 1 ? `Give ${count} numbers, separated by spaces.` : "Give a number.");
     });
   }
 
@@ -91,6 +93,7 @@ export class PartActions {
     id("do-leave-out").hidden = by.has("floor") || by.has("assumed");
     const single = list.length === 1;
     for (const name of ["mass-form", "load-form"]) id(name).hidden = !single || parts.grounded[list[0]];
+    id("move-form").hidden = !single || !parts.grounded[list[0]] || by.has("assumed");
     id("pair-actions").hidden = list.length !== 2;
     this.materials(session.materials);
     if (!this.busy("density-form")) id("do-density").value = single && parts.density?.[list[0]] ? number(parts.density[list[0]], 6) : "";

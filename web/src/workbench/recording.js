@@ -50,8 +50,8 @@ async function play({ report, tabs }) {
     await until(() => !onStage.playing);
   } else if (report.found.fall?.places) {
     report.fall(0);
-    report.playFall();
-    await until(() => !report.falling);
+    report.fallClip.play();
+    await until(() => !report.fallClip.playing);
   } else if (report.found.motion) {
     report.play();
     await until(() => !report.playing);

@@ -22,6 +22,7 @@ const TABS = {
   transport: "Transport",
   place: "Place",
   forces: "Forces",
+  supports: "Supports",
   contacts: "Contacts",
   compare: "Compare",
 };
@@ -33,6 +34,7 @@ export class Tabs {
     this.results = new Map();
     this.asked = new Set();
     this.now = null;
+    this.moved = {};
     this.places = new Places(bench);
     this.onStage = new OnStage(bench);
     this.helps = new Helps(bench, this.onStage);
@@ -74,11 +76,18 @@ export class Tabs {
     this.draw();
   }
 
+  /** Add the movement of a support to the question of the tab of supports; zeros take it back. */
+  moveSupport(name, way) {
+    this.moved = { ...this.moved, [name]: way };
+    if (!way.some(Boolean)) delete this.moved[name];
+    this.now = "supports";
+    this.ask({ moved: this.moved });
+  }
+
   /** Take the result of an analysis. */
   take(message) {
     this.asked.delete(message.name);
-    if (message.film) message.film = unpacked(message.film);
-    if (message.changes) message.changes = unpacked(message.changes);
+    for (const name of ["film", "changes", "movement"]) if (message[name]) message[name] = unpacked(message[name]);
     this.results.set(message.name, message);
     if (message.ball) this.bench.report?.showDirections(unpacked(message.ball));
     if (message.name === this.now) this.draw();
@@ -149,6 +158,7 @@ export class Tabs {
     if (this.now === "place") return this.places.controls((options) => this.ask(options));
     const list = AT_ONCE.includes(this.now) && !result ? [again("Compute", () => ({}))] : [];
     if (this.now === "forces") list.push(...this.between());
+    if (this.now === "supports") list.push(...this.supports());
     if (this.now === "orient" && result?.data?.found) {
       list.push(
         button("Show this direction", () => report.turn(result.data.down, { follow: true })),
@@ -172,6 +182,19 @@ export class Tabs {
         parts.names().length === 2 ? this.ask({ between: parts.names() }) : this.bench.complain("Select two parts that touch."),
       ),
     ];
+  }
+
+  /** The supports that move, or how to move them. */
+  supports() {
+    const ways = Object.entries(this.moved).map(([name, way]) => `${this.bench.shortName(name)} by ${way.join(" ")}`);
+    const words = document.createElement("span");
+    words.textContent = ways.join("; ") || "Select a held part: its card has a field for its movement.";
+    const back = button("Move all back", () => {
+      this.moved = {};
+      this.results.delete("supports");
+      this.draw();
+    });
+    return ways.length ? [words, back] : [words];
   }
 
   transport() {
