@@ -428,8 +428,7 @@ CONTROLS = {
     **dict.fromkeys(("open-answer", "open-gravity", "open-forces", "open-display"), PANELS),
     **dict.fromkeys(("edge-left", "edge-right", "edge-sheet"), PANELS),
     "show-help": HELP,
-    "help Show the tour": HELP,
-    "help Close": HELP,
+    "help *": HELP,
     "selected-bar *": BAR,
     "tilt": "test_a_typed_tilt_is_judged_as_python_judges_it",
     "tilt-form Show": "enter",
@@ -534,7 +533,7 @@ of the form show.
 """
 LISTS = (
     *("listed", "recent", "featured", "examples", "tree", "ladder"),
-    *("loose-bodies", "bodies", "idle-pairs", "selected-bar", "film-strip"),
+    *("loose-bodies", "bodies", "idle-pairs", "selected-bar", "film-strip", "help"),
 )
 LIST_CONTROLS = """(lists) => {
   const labelled = (e) => (e.getAttribute("aria-label") || e.textContent || e.title).trim();

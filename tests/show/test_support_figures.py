@@ -17,6 +17,7 @@ from kilter import Assembly, Box, InputError, Part
 from kilter.cli import main
 from kilter.files import to_text
 from kilter.rigid import Pose
+from kilter.scenes import scene
 from kilter.scenes.pieces import moved, turn
 from kilter.show.support_figure import THRUST
 from kilter.tell.numbers import force
@@ -121,6 +122,18 @@ def test_a_thrust_without_a_limit_has_no_line():
     assert "greatest thrust without limit" in words(figure)
 
 
+def test_a_single_thrust_is_a_single_line():
+    """A ladder leans on a smooth wall: W x / z with its centre x before the wall, z its top."""
+    ladder = scene("ladder")
+    figure = kilter.draw(ladder, what="thrust")
+    (foot, top) = sorted(marks(figure, "o").tolist(), key=lambda point: point[1])
+    assert not len(marks(figure, "s"))
+    k = ladder.index_of("ladder")
+    arm = abs(foot[0] - ladder.geometry.center[k, 0])
+    thrust = ladder.geometry.mass[k] * G * arm / (top[1] - foot[1])
+    assert figure.texts[0].get_text() == f"Thrust {force(thrust)}."
+
+
 @pytest.mark.parametrize(
     ("scene", "said"),
     [
@@ -206,6 +219,22 @@ def test_no_part_mark_or_word_is_cut(scene, options):
     shown = axes.transData.transform(corners(figure))
     assert (shown >= low).all()
     assert (shown <= high).all()
+
+
+def test_names_of_parts_that_the_frame_cuts_are_whole():
+    walls = [
+        Part(f"a wall with a long name {x}", Box(9, 1, 2), [5 * x, 0, 0], grounded=True)
+        for x in (-1, 1)
+    ]
+    figure = kilter.draw(
+        Assembly([*walls, Part("block", Box(1, 1, 1))], friction=0.5), what="thrust"
+    )
+    figure.canvas.draw()
+    names = [text for text in figure.axes[0].texts if text.get_text().startswith("a wall")]
+    assert len(names) == 2
+    for text in names:
+        (low, _), (high, _) = text.get_window_extent().get_points()
+        assert (low, high) == pytest.approx(np.clip([low, high], 0, figure.bbox.width), abs=1)
 
 
 def test_the_film_ends_at_the_magnified_movement():

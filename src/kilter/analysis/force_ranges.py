@@ -105,6 +105,12 @@ class ForceRange(Record):
     lever [N m]: smaller numbers are rounding."""
 
     @property
+    def is_single(self) -> bool:
+        """Whether all equilibria have the same value."""
+        low, high = self.least.value, self.greatest.value
+        return None not in (low, high) and bool(high - low <= RANGE_AGREES * self.weight)  # type: ignore[operator]
+
+    @property
     @key
     def sentence(self) -> str:
         """The range in words."""
@@ -122,7 +128,7 @@ class ForceRange(Record):
             return (
                 f"{names}: at most {high:.5g} {unit}, without a lower limit: the parts can squeeze"
             )
-        if high - low <= RANGE_AGREES * self.weight:
+        if self.is_single:
             return f"{names}: {(low + high) / 2:.5g} {unit}"
         return f"{names}: {low:.5g} to {high:.5g} {unit}"
 

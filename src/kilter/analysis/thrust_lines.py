@@ -16,6 +16,7 @@ from kilter.analysis.force_ranges import ForceEnd, ForceRange, pressed_pairs, ro
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.numbers import count
 
 if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
@@ -82,9 +83,10 @@ def _chain(program: Program) -> list[tuple[int, int]]:
                 touching[part].append(other)
     for part, others in touching.items():
         if len(others) != 2:
+            number = count(len(others), "part")
             raise InputError(
-                f"{program.names[part]!r} touches {len(others)} parts: a line of thrust needs a "
-                "chain of parts between two supports",
+                f"{program.names[part]!r} touches {number}: a line of thrust needs a chain of "
+                "parts between two supports",
                 hint="leave parts out of the assembly",
                 option="leave parts out: --without NAME",
             )

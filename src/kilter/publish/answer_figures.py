@@ -202,12 +202,15 @@ def _draw_thrust(verdict: Verdict, view: tuple[float, float] | None) -> Figure:
 
     found = find_thrust_lines(verdict)
     words = []
-    for name, end in (("least", found.thrust.least), ("greatest", found.thrust.greatest)):
+    for name, end in (("least ", found.thrust.least), ("greatest ", found.thrust.greatest)):
         value = "without limit" if end.value is None else force(end.value)
-        words.append(f"{name} thrust {value if end.proved else 'not known'}")
-    sentence = f"L{words[0][1:]}, {words[1]}."
-    lines = list(zip((found.least, found.greatest), words, strict=True))
-    return draw_thrust(found.assembly, found.span, lines, sentence, view=view)
+        words.append(f"{name}thrust {value if end.proved else 'not known'}")
+    if found.thrust.is_single:
+        words = [words[0].removeprefix("least ")]
+    sentence = ", ".join(words)
+    lines = list(zip((found.least, found.greatest), words, strict=False))
+    title = f"{sentence[0].upper()}{sentence[1:]}."
+    return draw_thrust(found.assembly, found.span, lines, title, view=view)
 
 
 def _draw_movement(

@@ -257,9 +257,10 @@ def draw_forces(
 def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -> None:
     """Write the names of the parts on their visible faces, as plain text."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
+    style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "va": "center"}
     for k, place in name_places(faces, len(assembly.parts)).items():
         x, y = np.clip(place, [left, bottom], [right, top])
+        style["ha"] = "left" if x <= left else "right" if x >= right else "center"
         text = axes.text(float(x), float(y), label(assembly.names[k]), zorder=6, **style)
         text.set_parse_math(False)
         # a background instead of an outline, because an outlined text becomes a path in an SVG

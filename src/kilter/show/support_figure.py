@@ -45,7 +45,7 @@ def draw_thrust(
     *,
     view: tuple[float, float] | None = None,
 ) -> Figure:
-    """Draw the lines of least and of greatest thrust over the parts.
+    """Draw the lines of least and of greatest thrust, or a single line, over the parts.
 
     Arguments: `span` (3,): horizontal direction between the supports; `lines`: points of each line,
     shape (n, 3), or None for a line that does not exist, and its words in the legend; `view`:
@@ -53,7 +53,7 @@ def draw_thrust(
     """
     view = view or side_view(assembly, np.cross(assembly.down, span))
     figure, axes, camera, _, entries, faces = draw_picture(assembly, view)
-    for (colour, mark), (points, words) in zip(THRUST, lines, strict=True):
+    for (colour, mark), (points, words) in zip(THRUST, lines, strict=False):
         style: dict[str, Any] = {
             "color": colour, "marker": mark, "markersize": 5.0, "markeredgecolor": PAPER,
             "linewidth": 1.9, "zorder": 5,
