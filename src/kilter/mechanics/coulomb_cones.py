@@ -22,7 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
+from scipy.sparse import csc_array, diags_array, hstack, vstack
 
 from kilter.arrays import TINY, Array, Index, across, cross
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
@@ -230,11 +230,16 @@ def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProg
     return ConicProgram(quadratic, cost, matrix, bound, balance.shape[0], positive, sizes)
 
 
-def least_forces(cones: ConeProblem) -> ConicProgram:
+def least_forces(
+    cones: ConeProblem, weights: Array | None = None, wanted: Array | None = None
+) -> ConicProgram:
     """Conic program for the balanced contact forces with the least sum of squares.
 
     The solution is unique and not at a corner of the set of all equilibria: equal contacts carry
     equal shares. For a bonded contact the acting force f - T counts, without its pull T.
+
+    Arguments: `weights`: weight of the square of each split row, 1 by default; `wanted` (K,): force
+    of each row from which the squares count, the pull by default.
     """
     problem = cones.problem
     total = problem.matrix.shape[1]
@@ -242,10 +247,12 @@ def least_forces(cones: ConeProblem) -> ConicProgram:
     balance, equal = cones.balance()
     matrix = vstack([balance, -cone_matrix], format="csc")
     bound = np.concatenate([problem.right, np.zeros(equal), cones.heads])
+    weights = np.ones(total) if weights is None else weights
+    wanted = cones.program.pull if wanted is None else wanted
     cost = np.zeros(total)
-    cost[: len(cones.program.pull)] = -cones.program.pull / problem.unit
+    cost[: len(wanted)] = -weights[: len(wanted)] * wanted / problem.unit
     return ConicProgram(
-        csc_array(eye_array(total)), cost, matrix, bound,
+        csc_array(diags_array(weights)), cost, matrix, bound,
         balance.shape[0], positive, sizes,
     )  # fmt: skip
 

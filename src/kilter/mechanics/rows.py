@@ -317,14 +317,21 @@ def joint_rows(assembly: Assembly, geometry: Geometry, tolerance: Tolerance) -> 
         (a, b), point, linear, angular = joint_constraints(assembly, number)
         if not any(k >= 0 and not geometry.grounded[k] for k in (a, b)):
             continue
-        count = len(linear) + len(angular)
-        rows = _frictionless_rows(
-            JOINT, np.full(count, a), np.full(count, b), np.tile(point, (count, 1)),
-            np.concatenate([linear, angular]), np.ones(count, dtype=bool), np.full(count, number),
-        )  # fmt: skip
-        blocks.append(replace(rows, angular=np.arange(count) >= len(linear)))
+        blocks.append(fixing_rows((a, b), point, linear, angular, number))
         blocks.append(_guide_rows(assembly, number, (a, b), point, tolerance))
     return ForceRows.join(blocks)
+
+
+def fixing_rows(
+    ends: tuple[int, int], point: Array, linear: Array, angular: Array, number: int = -1
+) -> ForceRows:
+    """Rows of the forces (m, 3) at a point and of the torques (n, 3) that fix two parts."""
+    count = len(linear) + len(angular)
+    rows = _frictionless_rows(
+        JOINT, np.full(count, ends[0]), np.full(count, ends[1]), np.tile(point, (count, 1)),
+        np.concatenate([linear, angular]), np.ones(count, dtype=bool), np.full(count, number),
+    )  # fmt: skip
+    return replace(rows, angular=np.arange(count) >= len(linear))
 
 
 def _guide_rows(

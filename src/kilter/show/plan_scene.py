@@ -186,6 +186,7 @@ def _step(
             "weight": float(assembly.geometry.mass[index[hand.part]])
             * float(np.linalg.norm(assembly.gravity)),
             "radius": float(assembly.geometry.radius[index[hand.part]]) * metres,
+            "least": hand.least,
             "falls": list(hand.falls),
         }
         for hand in support.hands

@@ -115,7 +115,11 @@ def support_cells(support: Answer, units: str) -> tuple[str, str, str, str]:
     place = "" if support["point"] is None else f"at {vector(support['point'])} {units}"
     if support["on"]:
         place += f", on {support['on']}"
-    size = "" if support["force"] is None else force(math.hypot(*support["force"]))
+    size = ""
+    if support["force"] is not None:
+        size = f"at least {force(math.hypot(*support['force']))}"
+        turned = 0.0 if support["torque"] is None else math.hypot(*support["torque"])
+        size += f" and {force(turned)} m" if turned > 0.0 else ""
     return support["kind"], support["part"], place, size
 
 
@@ -302,8 +306,8 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
     """Return the lines about a step of an assembly sequence, each a term and its words.
 
     Arguments: `hands`: held parts, each with ``part``, ``force`` [N] and ``torque`` [N m] or None,
-    ``weight`` [N] and ``radius`` [m] of the part, and ``falls``: the parts that fall without this
-    hand.
+    ``weight`` [N] and ``radius`` [m] of the part, ``least``: whether no smaller load suffices, and
+    ``falls``: the parts that fall without this hand.
     """
     path = "no path was found"
     if step["direction"] is not None:
@@ -327,22 +331,25 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
 
 
 def hand_phrase(hand: Answer) -> str:
-    """Return the force that a hand may carry, and the parts that would move without the hand.
+    """Return the force that a hand carries, and the parts that would move without the hand.
 
     Examples
     --------
     >>> hand_phrase({"force": None, "falls": ["b", "a"]})
     "without it 2 parts would move: 'b', 'a'"
-    >>> hand_phrase({"force": 2.0, "torque": 1e-9, "weight": 1.0, "radius": 0.1, "falls": []})
+    >>> load = {"force": 2.0, "torque": 1e-9, "weight": 1.0, "radius": 0.1}
+    >>> hand_phrase({**load, "least": True, "falls": []})
+    'it carries at least 2 N'
+    >>> hand_phrase({**load, "least": False, "falls": []})
     'it may carry 2 N'
     """
     phrases = []
     if hand["force"] is not None:
-        least = NO_SHARE * hand["weight"]
-        carried = force(hand["force"]) if hand["force"] > least else "next to nothing"
-        if hand["torque"] > least * hand["radius"]:
+        small = NO_SHARE * hand["weight"]
+        carried = force(hand["force"]) if hand["force"] > small else "next to nothing"
+        if hand["torque"] > small * hand["radius"]:
             carried += f" and {force(hand['torque'])} m"
-        phrases.append(f"it may carry {carried}")
+        phrases.append(f"it {'carries at least' if hand['least'] else 'may carry'} {carried}")
     falls = hand["falls"]
     if falls:
         move = count(len(falls), "part")

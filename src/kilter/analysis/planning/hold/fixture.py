@@ -39,7 +39,10 @@ class HeldSupport(Record):
     name: str
     """Name of the candidate."""
     force: Vector | None
-    """Force of the proof [N]; null for a grip, which also has a torque."""
+    """Least force that suffices [N]: the supports together carry least, by the sum of squares of
+    their forces and of torques over the radius of the part; null if it is not known."""
+    torque: Vector | None = None
+    """Torque of a grip about the centre of mass of its part [N m]; null for other supports."""
 
     def __repr__(self) -> str:
         return f"<Support: {self.name}>"

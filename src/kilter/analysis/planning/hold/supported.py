@@ -12,6 +12,7 @@ from kilter.analysis.decision.deciding_pairs import joining_wrenches
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.hold.fixture import HeldSupport, Stated
+from kilter.analysis.planning.hold.least_loads import least_loads
 from kilter.analysis.planning.states.known_proofs import StatePrograms, build_state_programs
 from kilter.analysis.smallest_set import Shares, irreducible_subset
 from kilter.arrays import Array, Index, Mask, cross
@@ -23,6 +24,7 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes, vi
 from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+from kilter.units import metres_per_unit
 from kilter.work import Work
 
 LEFT = 1e-3
@@ -114,17 +116,29 @@ class Supported:
         return {"about": about, "supports": sorted(state.chosen), "change": change}, proof
 
     def held(self, state: SupportedState) -> tuple[HeldSupport, ...]:
-        """The supports of a state that holds, with their forces [N]."""
+        """The supports of a state that holds, with the least loads that suffice."""
         assert state.forces is not None
-        rows = self.support_rows(state.program)
-        total = state.forces.forces[:, None] * state.program.normal + state.forces.friction
+        gripped, _ = self.given(state.chosen)
+        hands = [self._loaded.index[name] for name in gripped]
+        program = self._program(state.chosen, self._programs.whole, grips=False)
+        of = self.support_rows(program)
+        pulls = np.array([self.supports[k].capacity for k in self._acting] + [np.nan])
+        points = np.bincount(of[of >= 0], minlength=len(self._acting)) if len(of) else np.ones(1)
+        least = least_loads(program, hands, pulls[of] / np.append(points, 1)[of])
+        program = state.program if least is None else least.program
+        proof = state.forces if least is None else least.forces
+        rows = self.support_rows(program)
+        total = proof.forces[:, None] * program.normal + proof.friction
         held = []
         for k in sorted(state.chosen):
-            support, force = self.supports[k], None
+            support, force, torque = self.supports[k], None, None
             if support.kind != "grip":
                 force = total[rows == self._acting.index(k)].sum(axis=0)
                 force -= support.capacity * support.pushing(self.assembly)
-            held.append(HeldSupport(**support.to_dict(), force=force))
+            elif least is not None:
+                load = least.hands[gripped.index(support.part)]
+                force, torque = load[:3], load[3:] * metres_per_unit(self.assembly.units)
+            held.append(HeldSupport(**support.to_dict(), force=force, torque=torque))
         return tuple(held)
 
     def judge(self, chosen: Iterable[int], work: Work) -> SupportedState:
@@ -149,9 +163,9 @@ class Supported:
             return replace(state, forces=None)
         return SupportedState(chosen, False, program, None, judgement.motion)
 
-    def _program(self, chosen: frozenset[int], whole: Program) -> Program:
-        """The program with the chosen supports only, and with the gripped parts held."""
-        gripped, _ = self.given(chosen)
+    def _program(self, chosen: frozenset[int], whole: Program, *, grips: bool = True) -> Program:
+        """The program with the chosen supports only, and with the gripped parts held if `grips`."""
+        gripped = self.given(chosen)[0] if grips else []
         held = np.array([name in gripped for name in self._loaded.names], dtype=bool)
         present = np.array([k in chosen for k in self._acting], dtype=bool)
         program = replace(whole, applied=whole.applied - self._loads(~present, whole))

@@ -1,13 +1,14 @@
 """Explanation of a plan: forces of contacts and hands at each step, and why hands are needed.
 
-The contact forces are those of the proof of a step, summed for each contact patch and applied at
-its centre of pressure. A hand carries the remaining load of a held part,
+The contact forces are summed for each contact patch and applied at its centre of pressure. In them
+the hands carry the least that suffices (`kilter.analysis.planning.hold.least_loads`). If no least
+loads are known, the forces are those of the proof, and a hand carries the remaining load of its
+part: one possible equilibrium,
 
     hand = -(J^T f + m g)        force [N] and torque about the centre of mass
 
-These forces are one possible equilibrium. The motion of the same state without the hand shows
-why it is needed. A part must come before another part if the precedence requires it, or if the
-other part would block its path.
+The motion of the same state without the hand shows why it is needed. A part must come before
+another part if the precedence requires it, or if the other part would block its path.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from itertools import combinations
 
 import numpy as np
 
+from kilter.analysis.planning.hold.least_loads import least_loads
 from kilter.analysis.planning.order.order import Order
 from kilter.analysis.planning.order.plan_step import Step
 from kilter.analysis.planning.order.removal import Leg
@@ -39,6 +41,8 @@ class Hand:
     torque: Array | None
     """Force on the part [N] and torque about its centre of mass [N x length unit], shape (3,);
     None if the state has no forces of its own."""
+    least: bool
+    """Whether these are the least loads of all hands that suffice."""
     falls: tuple[str, ...]
     """Parts that would move without this hand; empty if the state holds without it."""
     motion: Array | None
@@ -110,11 +114,31 @@ def explain(order: Order) -> Explained:
 def _support(order: Order, step: Step) -> StepForces:
     """Contact forces and hands during a step of a plan."""
     state = step.state
-    hands = tuple(_hand(order, step, name) for name in step.held)
     if state.forces is None:
+        hands = tuple(_hand(order, step, name, None, least=False) for name in step.held)
         nothing = np.zeros((0, 3))
         return StepForces(nothing, np.zeros((0, 2), dtype=np.int64), nothing, hands)
-    return StepForces(*_pressure_centres(state.program, state.forces), hands)
+    index = order.states.assembly.index
+    held = [index[name] for name in step.held]
+    program, forces, carried = state.program, state.forces, None
+    if held and not state.outer:
+        others = state.present & ~state.free
+        others[held] = False
+        least = least_loads(state.programs.of(state.present, others), held)
+        if least is not None:
+            program, forces, carried = least.program, least.forces, least.hands
+    is_least = carried is not None
+    if carried is None:
+        wrench = program.wrenches(forces.forces, forces.friction) + program.applied
+        wrench[:, :3] += program.mass[:, None] * program.gravity
+        carried = -wrench[held]
+    if program.planar:
+        carried[:, [1, 3, 5]] = 0.0  # the support normal to the plane is not modelled
+    hands = tuple(
+        _hand(order, step, name, load, least=is_least)
+        for name, load in zip(step.held, carried, strict=True)
+    )
+    return StepForces(*_pressure_centres(program, forces), hands)
 
 
 def _pressure_centres(program: Program, proof: ForceProof) -> tuple[Array, Index, Array]:
@@ -134,20 +158,10 @@ def _pressure_centres(program: Program, proof: ForceProof) -> tuple[Array, Index
     return middle, rows[loaded, 2:].astype(np.int64), total[loaded]
 
 
-def _hand(order: Order, step: Step, name: str) -> Hand:
-    """Force of the hand that holds the part `name` in a step, and parts that fall without it."""
+def _hand(order: Order, step: Step, name: str, load: Array | None, *, least: bool) -> Hand:
+    """The hand that holds the part `name` in a step, with its load (6,), and what falls without."""
     states, state = order.states, step.state
     k = states.assembly.index[name]
-    force = torque = None
-    if state.forces is not None:
-        program = state.program
-        wrench = program.wrenches(state.forces.forces, state.forces.friction)[k]
-        weight = program.applied[k] + 0.0
-        weight[:3] += program.mass[k] * program.gravity
-        carried = -(wrench + weight)
-        if program.planar:
-            carried[[1, 3, 5]] = 0.0  # the support normal to the plane is not modelled
-        force, torque = carried[:3], carried[3:]
     held = state.present & ~state.free
     held[k] = False
     without = states.judge(state.present, held)
@@ -155,7 +169,8 @@ def _hand(order: Order, step: Step, name: str) -> Hand:
     motion = None
     if falls and without.motion is not None:
         motion = check_motion(without.program, without.motion.motion).motion
-    return Hand(name, force, torque, falls, motion)
+    force, torque = (None, None) if load is None else (load[:3], load[3:])
+    return Hand(name, force, torque, least, falls, motion)
 
 
 def _in_the_way(order: Order) -> list[Need]:
