@@ -253,8 +253,9 @@ def test_the_film_ends_at_the_magnified_movement():
 
 
 def test_a_movement_that_is_not_known_is_a_sentence():
-    with pytest.raises(InputError, match="no support moves"):
-        kilter.draw(beam(), what="movement")
+    for options in ({"what": "movement"}, {"moved": {"b": (0, 0, -0.01)}}):
+        with pytest.raises(InputError, match="belong together; give both: what='movement'"):
+            kilter.draw(beam(), **options)
     with pytest.raises(InputError, match=r"no movement to show: The assembly falls"):
         kilter.draw(arch(10, 0.3), what="movement", moved=SPREAD)
     with pytest.raises(InputError, match="no movement to show: The assembly falls"):

@@ -203,11 +203,7 @@ def draw(asked: Asked, options: DrawOptions) -> int:
         publish.require_figure(options.output, options.view)
     asked.apart(options.output)
     moved, turned = moved_supports(options.move, options.turn_support)
-    if (options.what is What.MOVEMENT) != bool(moved or turned):
-        raise InputError(
-            "--what movement and a movement of a support belong together",
-            hint="give both: --what movement --move NAME=DX,DY,DZ",
-        )
+    publish.require_movement(options.what.value, moved, turned)
     asked = replace(asked, verb=options.what.value)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)

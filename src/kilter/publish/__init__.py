@@ -12,6 +12,7 @@ from kilter.publish.films import (
     require_ending,
     require_figure,
     require_film,
+    require_movement,
     title_of,
 )
 from kilter.publish.offline_page import Report, report
@@ -27,5 +28,6 @@ __all__ = [
     "require_ending",
     "require_figure",
     "require_film",
+    "require_movement",
     "title_of",
 ]

@@ -16,6 +16,7 @@ from kilter.publish.films import (
     known_movement,
     path_of,
     require_figure,
+    require_movement,
     require_steps,
 )
 
@@ -110,6 +111,7 @@ def draw(
     from kilter.show.sphere import draw_region
 
     require_figure(out, view)
+    require_movement(what, moved, turned)
     shown = contacts if isinstance(contacts, bool) else None
     known = None if isinstance(contacts, bool) else contacts
     asked = asked.but(contacts=known)

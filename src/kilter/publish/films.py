@@ -46,6 +46,18 @@ def require_film(what: str, view: tuple[float, float] | None) -> None:
         raise InputError("a film has no view", hint="leave the view out; its viewer turns the film")
 
 
+def require_movement(
+    what: str, moved: Mapping[str, Any] | None, turned: Mapping[str, Any] | None
+) -> None:
+    """Reject a figure of a movement without a moved support, and moved supports without it."""
+    if (what == "movement") != bool(moved or turned):
+        raise InputError(
+            "the figure of a movement and moved supports belong together",
+            hint="give both: what='movement', moved={'NAME': (x, y, z)}",
+            option="give both: --what movement --move NAME=DX,DY,DZ",
+        )
+
+
 def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> None:
     """Reject a file ending or a view that cannot be drawn, before any computation."""
     from kilter.show.canvas import SUFFIXES, require
@@ -203,12 +215,6 @@ def known_movement(
     verdict: Verdict, moved: Mapping[str, Any], turned: Mapping[str, Any]
 ) -> SupportMovement:
     """The movement of parts after a movement of supports; an error if no movement is known."""
-    if not (moved or turned):
-        raise InputError(
-            "no support moves",
-            hint="give moved={'NAME': (x, y, z)}",
-            option="add --move NAME=DX,DY,DZ or --turn-support NAME=AX,AY,AZ,DEG",
-        )
     found = verdict.support_movement(moved, turned)
     if not found.moves:
         raise InputError(f"there is no movement to show: {found.sentence}")
