@@ -257,9 +257,10 @@ class EndSearch:
         value, bound, gap = -np.inf, np.inf, np.inf
         self.forces = self.rays = None
         guesses: list[Array] = []
-        for _ in range(1 if self.program.planar else ROUNDS):
+        for number in range(1 if self.program.planar else ROUNDS):
             for outer in (True, False):
-                pyramids = self._pyramids(outer, guesses)
+                # programs without guesses are kept, and go on from their last basis
+                pyramids = self._pyramids(outer, guesses if number else [])
                 found = pyramids.best(sense * gain)
                 if found.value > value:
                     value, self.forces = found.value, found.forces
