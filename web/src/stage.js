@@ -389,8 +389,10 @@ export class Stage {
   draw() {
     if (this.waiting) return;
     this.waiting = requestAnimationFrame(() => {
+      this.waiting = 0;
       this.keepPace();
-      this.render();
+      if (this.isFlushed()) this.render();
+      else this.draw();
     });
   }
 
@@ -400,7 +402,7 @@ export class Stage {
     const since = now - this.last;
     this.last = now;
     if (since < 400) this.pace = 0.6 * this.pace + 0.4 * since;
-    if (since < 400 && this.pace > SLOW) this.plain(true);
+    if (since < 400 && this.pace > SLOW && !this.isPlain) this.flush();
     clearTimeout(this.rest);
     if (this.isPlain) {
       this.rest = setTimeout(() => {
@@ -409,6 +411,24 @@ export class Stage {
         this.draw();
       }, 250);
     }
+  }
+
+  /** Switch to plain pictures after the pictures that are being drawn: a canvas whose size changes waits for them. */
+  flush() {
+    const gl = this.renderer.getContext();
+    this.fence ??= gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+  }
+
+  /** Whether no picture has to be awaited before the next one. */
+  isFlushed() {
+    if (!this.fence) return true;
+    const gl = this.renderer.getContext();
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+    gl.deleteSync(this.fence);
+    this.fence = null;
+    this.plain(true);
+    return true;
   }
 
   /** Switch plain pictures on or off: half the resolution, without edges. */
