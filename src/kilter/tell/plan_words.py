@@ -117,7 +117,7 @@ def support_cells(support: Answer, units: str) -> tuple[str, str, str, str]:
         place += f", on {support['on']}"
     size = ""
     if support["force"] is not None:
-        size = f"at least {force(math.hypot(*support['force']))}"
+        size = f"least load {force(math.hypot(*support['force']))}"
         turned = 0.0 if support["torque"] is None else math.hypot(*support["torque"])
         size += f" and {force(turned)} m" if turned > 0.0 else ""
     return support["kind"], support["part"], place, size
@@ -339,7 +339,7 @@ def hand_phrase(hand: Answer) -> str:
     "without it 2 parts would move: 'b', 'a'"
     >>> load = {"force": 2.0, "torque": 1e-9, "weight": 1.0, "radius": 0.1}
     >>> hand_phrase({**load, "least": True, "falls": []})
-    'it carries at least 2 N'
+    'its least load is 2 N'
     >>> hand_phrase({**load, "least": False, "falls": []})
     'it may carry 2 N'
     """
@@ -349,7 +349,7 @@ def hand_phrase(hand: Answer) -> str:
         carried = force(hand["force"]) if hand["force"] > small else "next to nothing"
         if hand["torque"] > small * hand["radius"]:
             carried += f" and {force(hand['torque'])} m"
-        phrases.append(f"it {'carries at least' if hand['least'] else 'may carry'} {carried}")
+        phrases.append(f"{'its least load is' if hand['least'] else 'it may carry'} {carried}")
     falls = hand["falls"]
     if falls:
         move = count(len(falls), "part")

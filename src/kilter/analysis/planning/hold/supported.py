@@ -117,27 +117,24 @@ class Supported:
 
     def held(self, state: SupportedState) -> tuple[HeldSupport, ...]:
         """The supports of a state that holds, with the least loads that suffice."""
-        assert state.forces is not None
         gripped, _ = self.given(state.chosen)
         hands = [self._loaded.index[name] for name in gripped]
         program = self._program(state.chosen, self._programs.whole, grips=False)
         of = self.support_rows(program)
         pulls = np.array([self.supports[k].capacity for k in self._acting] + [np.nan])
-        points = np.bincount(of[of >= 0], minlength=len(self._acting)) if len(of) else np.ones(1)
+        points = np.bincount(of[of >= 0], minlength=len(self._acting))
         least = least_loads(program, hands, pulls[of] / np.append(points, 1)[of])
-        program = state.program if least is None else least.program
-        proof = state.forces if least is None else least.forces
-        rows = self.support_rows(program)
-        total = proof.forces[:, None] * program.normal + proof.friction
         held = []
         for k in sorted(state.chosen):
             support, force, torque = self.supports[k], None, None
-            if support.kind != "grip":
-                force = total[rows == self._acting.index(k)].sum(axis=0)
-                force -= support.capacity * support.pushing(self.assembly)
-            elif least is not None:
+            if least is not None and support.kind == "grip":
                 load = least.hands[gripped.index(support.part)]
                 force, torque = load[:3], load[3:] * metres_per_unit(self.assembly.units)
+            elif least is not None:
+                mine = self.support_rows(least.program) == self._acting.index(k)
+                proof, normal = least.forces, least.program.normal[mine]
+                force = (proof.forces[mine, None] * normal + proof.friction[mine]).sum(axis=0)
+                force -= support.capacity * support.pushing(self.assembly)
             held.append(HeldSupport(**support.to_dict(), force=force, torque=torque))
         return tuple(held)
 
