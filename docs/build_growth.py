@@ -26,13 +26,9 @@ HEAD = """# Growth with the number of parts
 CPU seconds of each command on one core, and in brackets the largest memory [GiB], by the number of
 parts. The seconds exclude imports and the reading of the file. The last column is the exponent p of
 seconds = c n^p over the cells of at least 0.1 s. `>` marks a cell that was ended at its limit, and
-`-` a cell that was not measured. The machine was busy, which takes up to twice as long. The cells
-of walls, and of piles from `reading` to `transport`, are of version 6bdfcc88. Cells of version
-05dbc021 are `settle`, `margin` and `orient` of piles up to 1,000 parts, `reading` of boxes, frames
-without `margin`, `plan` and `orient`, and `reading`, `check`, `contacts`, `report` and `scene` of
-stacks. The others are of earlier versions. `plan` of walls, piles and scenes of 3,000 parts ends at
-its effort limit and finds no order. `plan` of frames joins what looks fastened (`--assume fits`),
-since the nuts fall as drawn.
+`-` a cell that was not measured. All cells are of version b163eb87, measured two at a time on two
+cores. `plan` of walls, boxes and piles of 3,000 parts ends at its effort limit and finds no order.
+`plan` of frames joins what looks fastened (`--assume fits`), since the nuts fall as drawn.
 
 `python benchmarks/growth.py` measures, and `python docs/build_growth.py` writes this page from
 `benchmarks/growth.csv`.
