@@ -179,7 +179,7 @@ def animate(
         film = (
             _film_of_movement(subject, moved or {}, turned or {})
             if moved or turned
-            else (_film_of(subject))
+            else _film_of(subject)
         )
     elif isinstance(subject, Transport):
         film = _film_of_mechanism(subject)

@@ -73,9 +73,9 @@ def draw_assembly(
     vector [rad] of each part. Raises `InputError` if matplotlib is not installed.
     """
     assembly = verdict.assembly
-    names = len(assembly.parts) <= NAMED if names is None else names
     contacts = len(verdict.contact_set) <= PATCHES if contacts is None else contacts
-    figure, axes, camera, size, entries, faces = draw_picture(assembly, view)
+    picture = draw_picture(assembly, view)
+    figure, axes, camera, size, entries, _ = picture
     if contacts:
         entries += draw_patches(axes, verdict, camera)
     entries += draw_straps(axes, assembly, camera)
@@ -89,12 +89,7 @@ def draw_assembly(
     if fall is not None:
         entries += draw_fall(axes, verdict, camera, fall)
     show_whole(figure, axes, [each for each in axes.get_children() if each not in drawn])
-    if names:
-        draw_names(axes, assembly, faces)
-    draw_gravity(axes, camera)
-    title(figure, verdict.sentence, verdict.verdict)
-    legend(figure, entries)
-    return figure
+    return picture.completed(assembly, verdict.sentence, verdict.verdict, names=names)
 
 
 class PartsPicture(NamedTuple):
@@ -109,6 +104,17 @@ class PartsPicture(NamedTuple):
     """Entries of the legend."""
     faces: list[tuple[int, Array]]
     """Part and outline of each visible face."""
+
+    def completed(
+        self, assembly: Assembly, sentence: str, verdict: str = "", *, names: bool | None = None
+    ) -> Figure:
+        """Add the names of few parts, gravity, the sentence and the legend; return the figure."""
+        if len(assembly.parts) <= NAMED if names is None else names:
+            draw_names(self.axes, assembly, self.faces)
+        draw_gravity(self.axes, self.camera)
+        title(self.figure, sentence, verdict)
+        legend(self.figure, self.entries)
+        return self.figure
 
 
 def draw_picture(

@@ -18,9 +18,9 @@ from kilter.assembly import Assembly
 from kilter.rigid import Pose
 from kilter.show.canvas import INK, PAPER, label, legend, new_figure, title
 from kilter.show.colours import assembly_colours
-from kilter.show.figures import NAMED, camera_of, draw_picture
+from kilter.show.figures import camera_of, draw_picture
 from kilter.show.movement_scene import magnification
-from kilter.show.overlay import GHOSTS, MOTION, draw_displaced, draw_gravity, draw_names
+from kilter.show.overlay import GHOSTS, MOTION, draw_displaced
 from kilter.show.painter import Camera
 from kilter.show.shapes import place_shapes
 from kilter.show.solids import GRIP, draw_parts
@@ -64,7 +64,8 @@ def draw_movement(
     rotation vector [rad]; `view`: azimuth and elevation of the eye [deg]. Raises `InputError` if
     matplotlib is not installed.
     """
-    figure, axes, camera, size, entries, faces = draw_picture(assembly, view)
+    picture = draw_picture(assembly, view)
+    _, axes, camera, size, entries, _ = picture
     if movement.any():
         factor = magnification(movement, size)
         words = "at rest" if factor == 1.0 else f"at rest, movements x {number(factor)}"
@@ -72,12 +73,7 @@ def draw_movement(
         if np.count_nonzero(movement.any(axis=1)) > GHOSTS:
             words += f", of the {GHOSTS} parts that move most"
         entries += draw_displaced(axes, assembly, camera, factor * drawn, words)
-    if len(assembly.parts) <= NAMED:
-        draw_names(axes, assembly, faces)
-    draw_gravity(axes, camera)
-    title(figure, sentence)
-    legend(figure, entries)
-    return figure
+    return picture.completed(assembly, sentence)
 
 
 WIDTH = 7.0

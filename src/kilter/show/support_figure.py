@@ -8,16 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.arrays import Array, Index
-from kilter.show.canvas import INK, PAPER, legend, title
-from kilter.show.figures import NAMED, draw_picture, show_whole, side_view
+from kilter.show.canvas import INK, PAPER
+from kilter.show.figures import draw_picture, show_whole, side_view
 from kilter.show.movement_scene import hinges_of, movement_factor, movement_words
 from kilter.show.overlay import (
     FORCE,
     GHOSTS,
     HALO,
     draw_arrows,
-    draw_gravity,
-    draw_names,
     draw_outlines,
 )
 from kilter.show.solids import moved_points
@@ -52,7 +50,8 @@ def draw_thrust(
     azimuth and elevation of the eye [deg], by default across the span.
     """
     view = view or side_view(assembly, np.cross(assembly.down, span))
-    figure, axes, camera, _, entries, faces = draw_picture(assembly, view)
+    picture = draw_picture(assembly, view)
+    _, axes, camera, _, entries, _ = picture
     for (colour, mark), (points, words) in zip(THRUST, lines, strict=False):
         style: dict[str, Any] = {
             "color": colour, "marker": mark, "markersize": 5.0, "markeredgecolor": PAPER,
@@ -62,12 +61,7 @@ def draw_thrust(
         axes.plot(x, y, color=PAPER, linewidth=1.9 + HALO, zorder=4)
         (line,) = axes.plot(x, y, **style)
         entries.append((line, words))
-    if len(assembly.parts) <= NAMED:
-        draw_names(axes, assembly, faces)
-    draw_gravity(axes, camera)
-    title(figure, sentence)
-    legend(figure, entries)
-    return figure
+    return picture.completed(assembly, sentence)
 
 
 def draw_support_movement(
@@ -88,7 +82,8 @@ def draw_support_movement(
         view = None if across is None else side_view(assembly, across)
     factor = movement_factor(assembly, motion)
     large = factor * motion
-    figure, axes, camera, _, entries, faces = draw_picture(assembly, view, large)
+    picture = draw_picture(assembly, view, large)
+    figure, axes, camera, _, entries, _ = picture
     drawn = set(axes.get_children())
     order = np.argsort(-np.linalg.norm(motion[:, :3], axis=1), kind="stable")
     parts: Index = order[motion[order].any(axis=1)][:GHOSTS]
@@ -110,12 +105,7 @@ def draw_support_movement(
         }  # fmt: skip
         (dots,) = axes.plot(x, y, **style)
         entries.append((dots, "hinge" if len(hinges) == 1 else f"{len(hinges)} hinges"))
-    if len(assembly.parts) <= NAMED:
-        draw_names(axes, assembly, faces)
-    draw_gravity(axes, camera)
-    title(figure, f"{found.sentence} {movement_words(found, factor)}")
-    legend(figure, entries)
-    return figure
+    return picture.completed(assembly, f"{found.sentence} {movement_words(found, factor)}")
 
 
 def _normal(assembly: Assembly, motion: Array) -> Array | None:

@@ -159,7 +159,7 @@ def _pressure_centres(program: Program, proof: ForceProof) -> tuple[Array, Index
 
 
 def _hand(order: Order, step: Step, name: str, load: Array | None, *, least: bool) -> Hand:
-    """The hand that holds the part `name` in a step, with its load (6,), and what falls without."""
+    """Describe the hand that holds a part in a step; `load` (6,) is its force and torque."""
     states, state = order.states, step.state
     k = states.assembly.index[name]
     held = state.present & ~state.free
