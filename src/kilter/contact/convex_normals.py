@@ -79,21 +79,27 @@ class Excluded:
 
 
 def pair_normals(
-    scene: Placed, pair: tuple[Index, Index], excluded: Excluded, limit: Array
+    scene: Placed,
+    pair: tuple[Index, Index],
+    cores: tuple[Cores, Cores],
+    separations: tuple[Array, Array],
+    excluded: Excluded,
+    limit: Array,
 ) -> PairNormals:
     """Normals of pairs of pieces.
 
-    Arguments: `pair`: pieces a and b, shape (K,) each; `limit` (K,): distance of the cores beyond
-    which the normal does not matter. The separation is infinite if all directions of an overlap
-    are excluded.
+    Arguments: `pair`: pieces a and b, shape (K,) each; `cores`: their cores; `separations`: those
+    of `face_separations`; `limit` (K,): distance of the cores beyond which the normal does not
+    matter. The separation is infinite if all directions of an overlap are excluded.
     """
     pieces = scene.pieces
     size = np.minimum(*(pieces.size[piece] for piece in pair))
     curved = [pieces.radius[piece] + pieces.disc[piece] for piece in pair]
     sharp = curved[0] + curved[1] == 0
-    a, b = (scene.cores(piece) for piece in pair)
-    result = _core_normals(a, b, (size, limit), sharp, excluded)
+    a, b = cores
+    result = _core_normals(a, b, separations, (size, limit), sharp, excluded)
     left = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
+    a, b = a.take(left), b.take(left)
     for turn in range(ROUNDS + 1):
         if not len(left):
             break
@@ -101,8 +107,9 @@ def pair_normals(
         found = result.take(left)
         if turn:
             a, b = (scene.cores(piece, found.normal) for piece in some)
-            found = _core_normals(a, b, (size[left], limit[left]), sharp[left], own)
-        normal, separation = _exact_normals(scene, some, found, size[left], own)
+            faces = face_separations(a, b)
+            found = _core_normals(a, b, faces, (size[left], limit[left]), sharp[left], own)
+        normal, separation = _exact_normals(scene, some, (a, b), found, size[left], own)
         slack = EXACT * size[left]
         better = np.isfinite(separation) & (separation > result.separation[left] + slack)
         rows = np.flatnonzero(better | (turn == 0))
@@ -116,17 +123,23 @@ def pair_normals(
 
 
 def _core_normals(
-    a: Cores, b: Cores, sizes: tuple[Array, Array], sharp: Mask, excluded: Excluded
+    a: Cores,
+    b: Cores,
+    separations: tuple[Array, Array],
+    sizes: tuple[Array, Array],
+    sharp: Mask,
+    excluded: Excluded,
 ) -> PairNormals:
     """Normals of pairs of polytopes; of pairs with a rounded core (not `sharp`), of the cores.
 
-    `sizes`: size of each pair, and the distance beyond which the normal does not matter.
+    `separations`: those of `face_separations`; `sizes`: size of each pair, and the distance beyond
+    which the normal does not matter.
     """
     size = sizes[0]
     rows = np.arange(len(size))
     first, second = (
         np.where(mask & (separation < 0), -np.inf, separation)
-        for mask, separation in zip(excluded.faces(a, b), face_separations(a, b), strict=True)
+        for mask, separation in zip(excluded.faces(a, b), separations, strict=True)
     )
     i, j = first.argmax(axis=1), second.argmax(axis=1)
     of_a = first[rows, i] >= second[rows, j]
@@ -196,12 +209,13 @@ def _try_edges(
 def _exact_normals(
     scene: Placed,
     pair: tuple[Index, Index],
+    cores: tuple[Cores, Cores],
     found: PairNormals,
     size: Array,
     excluded: Excluded,
 ) -> tuple[Array, Array]:
     """The direction of the largest exact separation of pairs with cylinders, and its separation."""
-    faces, allowed, widths = _face_directions(scene, pair)
+    faces, allowed, widths = _face_directions(cores)
     tries = np.concatenate([faces, found.normal[:, None]], axis=1)
     # the rows of a few pairs may be shorter than those of all
     faces_inside = [mask[:, :width] for mask, width in zip(excluded.inner, widths, strict=True)]
@@ -211,7 +225,8 @@ def _exact_normals(
     rows = np.flatnonzero(best < found.separation - EXACT * size)
     if len(rows):
         some, own = (pair[0][rows], pair[1][rows]), excluded.take(rows)
-        tries = _rim_directions(scene, some, found.take(rows))
+        few = cores[0].take(rows), cores[1].take(rows)
+        tries = _rim_directions(scene, some, few, found.take(rows))
         masks = np.ones(tries.shape[:2], dtype=bool), own.near(tries)
         other, value = _best_direction(scene, some, tries, masks)
         better = value > best[rows] + EXACT * size[rows]
@@ -235,13 +250,10 @@ def _best_direction(
     return tries[rows, k], separation[rows, k]
 
 
-def _face_directions(
-    scene: Placed, pair: tuple[Index, Index]
-) -> tuple[Array, Mask, tuple[int, int]]:
+def _face_directions(cores: tuple[Cores, Cores]) -> tuple[Array, Mask, tuple[int, int]]:
     """Face normals of both pieces, from a to b, (K, Fa + Fb, 3), whether exact, and Fa, Fb."""
     normals, exact = [], []
-    for piece, sign in zip(pair, (1.0, -1.0), strict=True):
-        core = scene.cores(piece)
+    for core, sign in zip(cores, (1.0, -1.0), strict=True):
         real = np.isfinite(core.offset)
         side = np.arange(real.shape[1]) < core.sides[:, None]
         normals.append(sign * core.normal)
@@ -292,13 +304,12 @@ class _Features:
         return _Features(*(getattr(self, each.name)[row, k] for each in fields(self)))
 
 
-def _features(scene: Placed, piece: Index, n: Array) -> _Features:
+def _features(scene: Placed, piece: Index, core: Cores, n: Array) -> _Features:
     """Four features of each core near its support plane across n, shape (K, 3).
 
     Polytope: the support corner and the three edges there that are most nearly across n. Cylinder:
     the side and both rims.
     """
-    core = scene.cores(piece)
     rows = np.arange(len(piece))
     corner = (core.vertex @ n[..., None])[..., 0].argmax(axis=1)
     p = core.vertex[rows, corner]
@@ -326,7 +337,9 @@ def _features(scene: Placed, piece: Index, n: Array) -> _Features:
     return _Features(point, along, axis, radius, new)
 
 
-def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals) -> Array:
+def _rim_directions(
+    scene: Placed, pair: tuple[Index, Index], cores: tuple[Cores, Cores], found: PairNormals
+) -> Array:
     """Stationary directions of the separation of pairs of features, shape (K, 32, 3).
 
     Half of them come from Newton's method for the direction, the others from Newton's method for
@@ -334,7 +347,8 @@ def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals
     """
     i, j = (x.ravel() for x in np.indices((4, 4)))
     tries = np.repeat(found.normal[:, None], 2 * len(i), axis=1)
-    sides = _features(scene, pair[0], found.normal), _features(scene, pair[1], -found.normal)
+    away = found.normal, -found.normal
+    sides = [_features(scene, *side) for side in zip(pair, cores, away, strict=True)]
     row, place = np.nonzero(sides[0].new[:, i] & sides[1].new[:, j])
     a, b = (x.at(row, k[place]) for x, k in zip(sides, (i, j), strict=True))
     start = found.normal[row]

@@ -353,9 +353,10 @@ def _points_of_pairs(
     # a prism lies inside its cylinder
     loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
     near = np.flatnonzero(upper - loose <= reach)
+    excluded = Excluded(_inner(pieces, pair), tried).take(near)
     pair, reach = (pair[0][near], pair[1][near]), reach[near]
-    excluded = Excluded(_inner(pieces, pair), tried[near])
-    found = pair_normals(scene, pair, excluded, reach + loose[near])
+    cores, separations = (a.take(near), b.take(near)), (faces[0][near], faces[1][near])
+    found = pair_normals(scene, pair, cores, separations, excluded, reach + loose[near])
     last = np.flatnonzero(found.separation - radius[near] <= reach)
     pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
     reach = reach[last]
@@ -680,7 +681,8 @@ def support_height(scene: Placed, piece: Index, n: Array) -> Array:
     row, vertex = ragged(scene.pieces.vertex_start, piece)
     height = np.einsum("ki,ki->k", scene.vertex[vertex], n[row])
     result = np.full(len(piece), -np.inf)
-    np.maximum.at(result, row, height)
+    first = np.flatnonzero(np.diff(row, prepend=-1))
+    result[row[first]] = np.maximum.reduceat(height, first) if len(first) else height
     return result + scene.pieces.radius[piece]
 
 
@@ -700,11 +702,11 @@ def others_at(scene: Placed, piece: Index, x: Array, slack: Array) -> tuple[Inde
 def depth_in(scene: Placed, piece: Index, x: Array) -> Array:
     """Depth of each point in a piece [length unit], shape (K,); negative outside."""
     pieces = scene.pieces
-    owner, place = counted(np.diff(pieces.face_start)[piece])
-    face = pieces.face_start[piece][owner] + place
+    owner, face = ragged(pieces.face_start, piece)
     room = scene.offset[face] - np.einsum("ki,ki->k", scene.normal[face], x[owner])
     depth = np.full(len(piece), np.inf)
-    np.minimum.at(depth, owner, room)
+    first = np.flatnonzero(np.diff(owner, prepend=-1))
+    depth[owner[first]] = np.minimum.reduceat(room, first) if len(first) else room
     bare = np.flatnonzero(np.isinf(depth))
     if len(bare):
         first = pieces.vertex_start[piece[bare]]
