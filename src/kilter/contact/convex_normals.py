@@ -109,16 +109,14 @@ def pair_normals(
             a, b = (scene.cores(piece, found.normal) for piece in some)
             faces = face_separations(a, b)
             found = _core_normals(a, b, faces, (size[left], limit[left]), sharp[left], own)
-        normal, separation = _exact_normals(scene, some, (a, b), found, size[left], own)
+        normal, separation, left_open = _exact_normals(scene, some, (a, b), found, size[left], own)
         slack = EXACT * size[left]
         better = np.isfinite(separation) & (separation > result.separation[left] + slack)
         rows = np.flatnonzero(better | (turn == 0))
         result.normal[left[rows]], result.separation[left[rows]] = normal[rows], separation[rows]
         result.on_b[left] = found.on_b
         result.on_a[left] = found.on_b - result.separation[left, None] * result.normal[left]
-        # no direction separates cylinders more than the prisms inside them
-        rows = rows[separation[rows] < (found.separation - slack)[rows]]
-        left = left[rows]
+        left = left[rows[left_open[rows]]]
     return result
 
 
@@ -213,8 +211,12 @@ def _exact_normals(
     found: PairNormals,
     size: Array,
     excluded: Excluded,
-) -> tuple[Array, Array]:
-    """The direction of the largest exact separation of pairs with cylinders, and its separation."""
+) -> tuple[Array, Array, Mask]:
+    """The direction of the largest exact separation of pairs with cylinders, and its separation.
+
+    The mask marks the pairs that another direction may separate more: no direction separates
+    cylinders more than the prisms inside them, or more than two of their points.
+    """
     faces, allowed, widths = _face_directions(cores)
     tries = np.concatenate([faces, found.normal[:, None]], axis=1)
     # the rows of a few pairs may be shorter than those of all
@@ -222,16 +224,51 @@ def _exact_normals(
     inner = np.concatenate([*faces_inside, np.zeros((len(size), 1), dtype=bool)], axis=1)
     allowed = np.concatenate([allowed, np.ones((len(size), 1), dtype=bool)], axis=1)
     normal, best = _best_direction(scene, pair, tries, (allowed, inner | excluded.near(tries)))
-    rows = np.flatnonzero(best < found.separation - EXACT * size)
+    slack = EXACT * size
+    may_grow = (best < found.separation - slack) & ~_attained(scene, pair, cores, normal, best)
+    rows = np.flatnonzero(may_grow)
     if len(rows):
         some, own = (pair[0][rows], pair[1][rows]), excluded.take(rows)
         few = cores[0].take(rows), cores[1].take(rows)
         tries = _rim_directions(scene, some, few, found.take(rows))
         masks = np.ones(tries.shape[:2], dtype=bool), own.near(tries)
         other, value = _best_direction(scene, some, tries, masks)
-        better = value > best[rows] + EXACT * size[rows]
+        better = value > best[rows] + slack[rows]
         normal[rows[better]], best[rows[better]] = other[better], value[better]
-    return normal, np.where(np.isfinite(best), best, np.inf)
+        may_grow[rows] = best[rows] < (found.separation - slack)[rows]
+        may_grow[rows] &= ~_attained(scene, some, few, normal[rows], best[rows])
+    return normal, np.where(np.isfinite(best), best, np.inf), may_grow
+
+
+def _attained(
+    scene: Placed, pair: tuple[Index, Index], cores: tuple[Cores, Cores], n: Array,
+    separation: Array,
+) -> Mask:  # fmt: skip
+    """Whether the support point of a rim has a point of the other core at the separation along n.
+
+    No direction then separates a pair that is apart more than n, shape (K, 3).
+    """
+    size = np.minimum(*(scene.pieces.size[piece] for piece in pair))
+    shown = np.zeros(len(n), dtype=bool)
+    for k, sign in enumerate((1.0, -1.0)):
+        own, other, core = pair[k], pair[1 - k], cores[1 - k]
+        axis = scene.axis[own]
+        along = _unit(axis)
+        slope = np.einsum("ki,ki->k", along, n)[:, None]
+        out = axis * np.sign(slope) + scene.pieces.disc[own, None] * _unit(n - slope * along)
+        at = scene.middle[own] + sign * (out + separation[:, None] * n)
+        inside = (_room(core, at) >= -EXACT * size[:, None]).all(axis=1) & ~core.bare
+        off = np.linalg.norm(cross(at - scene.middle[other], _unit(scene.axis[other])), axis=1)
+        disc = scene.pieces.disc[other]
+        inside &= (disc == 0) | (off <= disc + EXACT * size)
+        shown |= inside & (scene.pieces.disc[own] > 0)
+    return shown & (separation > 0)
+
+
+def _room(core: Cores, x: Array) -> Array:
+    """Depth of points (K, 3) below the faces of their cores; inf for sides of prisms, (K, F)."""
+    room = core.offset - np.einsum("kfi,ki->kf", core.normal, x)
+    return np.where(np.arange(room.shape[1]) < core.sides[:, None], np.inf, room)
 
 
 def _best_direction(
