@@ -52,7 +52,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch, begin_search
-from kilter.contact.common.distances import surface_distance
+from kilter.contact.common.distances import surface_distance, triangle_distance
 from kilter.contact.common.findings import CurvedFindings, FacePatches, may_be_smooth
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import Patches
@@ -78,6 +78,9 @@ BETWEEN = np.array([0.0, -0.2, 0.2, -0.4, 0.4])
 STAGES = (0, 4, 20)
 """Numbers of places beside a point between which the later places are examined only if no earlier
 place has material."""
+FEW_TRIANGLES, PAIRS = 100, 500_000
+"""Largest number of triangles of a part that are all compared with each point, and about the
+number of pairs that are compared at once."""
 TWICE = 1e-7
 """Distance within which a corner or edge is a known point, over the size of the smallest part
 [-]."""
@@ -631,9 +634,8 @@ def _truly_inside(geometry: Geometry, points: NearPoints) -> Mask:
         half = points.gap[rows, None] / 2 * points.normal[rows]
         deepest = np.zeros(len(rows))
         for part, side in ((points.part_a, 1.0), (points.part_b, -1.0)):
-            parts = np.column_stack([part[rows], part[rows]])
             at = points.point[rows] + side * half
-            deepest = np.maximum(deepest, surface_gaps(geometry, parts, at))
+            deepest = np.maximum(deepest, surface_gaps(geometry, part[rows, None], at))
         sound[rows] = deepest >= INSIDE * np.abs(points.gap[rows])
     return sound
 
@@ -683,19 +685,30 @@ def surface_gaps(geometry: Geometry, parts: Index, points: Array) -> Array:
     For a point half-way between two surfaces it is the absolute value of their gap. Exact curved
     surfaces count as well as triangles, whichever is nearer.
 
-    Arguments: `parts` (n, 2); `points` (n, 3).
+    Arguments: `parts` (n, 2), or (n, 1) for a single surface; `points` (n, 3).
     """
     total = np.zeros(len(points))
-    for part in np.unique(parts).tolist():
-        rows = np.flatnonzero((parts == part).any(axis=1))
-        span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-        exact = geometry.triangle_surface[span] < 0
-        corners = geometry.corners_of(part)[exact]
-        apart = np.full(len(rows), np.inf)
-        if len(corners):
-            apart = surface_distance(points[rows], corners)
-        for surface in range(*geometry.surfaces.start[part : part + 2].tolist()):
-            each = np.full(len(rows), surface)
-            apart = np.minimum(apart, np.abs(geometry.surfaces.distance(each, points[rows])))
-        total[rows] += apart
+    for part in parts.T:
+        total += _part_distance(geometry, part, points)
     return total
+
+
+def _part_distance(geometry: Geometry, part: Index, points: Array) -> Array:
+    """Distance of each point from the surface of its part [length unit], shape (n,)."""
+    apart = np.full(len(points), np.inf)
+    few = np.diff(geometry.triangle_start)[part] <= FEW_TRIANGLES
+    rows = np.flatnonzero(few)
+    for batch in np.array_split(rows, 1 + len(rows) * FEW_TRIANGLES // PAIRS):
+        owner, triangle = ragged(geometry.triangle_start, part[batch])
+        exact = geometry.triangle_surface[triangle] < 0
+        row, corners = batch[owner[exact]], geometry.triangles[triangle[exact]]
+        np.minimum.at(apart, row, triangle_distance(points[row], geometry.vertices[corners]))
+    for each in np.unique(part[~few]).tolist():
+        rows = np.flatnonzero(part == each)
+        span = slice(geometry.triangle_start[each], geometry.triangle_start[each + 1])
+        many = geometry.corners_of(each)[geometry.triangle_surface[span] < 0]
+        if len(many):
+            apart[rows] = surface_distance(points[rows], many)
+    row, surface = ragged(geometry.surfaces.start, part)
+    np.minimum.at(apart, row, np.abs(geometry.surfaces.distance(surface, points[row])))
+    return apart

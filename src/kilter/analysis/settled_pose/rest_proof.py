@@ -226,9 +226,10 @@ def _member_geometry(
     for k, part in enumerate(assembly.parts):
         found = [(part.shape, part.pose)]
         if isinstance(part.shape, Mesh) and part.shape.members:
-            near = points[(parts == k).any(axis=1)]
-            members = [(shape, compose(part.pose, pose)) for shape, pose in part.shape.members]
+            near = part.pose.inverse().apply(points[(parts == k).any(axis=1)])
+            members = list(part.shape.members)
             found = [each for each in members if _comes_near(*each, near, gap)] or members[:1]
+            found = [(shape, compose(part.pose, pose)) for shape, pose in found]
         placed += [Part(f"{k} {j}", *each, mass=1.0) for j, each in enumerate(found)]
         count.append(len(found))
     return Assembly(placed).geometry, starts(np.array(count))

@@ -203,6 +203,11 @@ def at_most(points: Array, triangles: Array) -> Array:
     return bound
 
 
+def triangle_distance(points: Array, triangles: Array) -> Array:
+    """Distance of each point, shape (n, 3), from the triangle of its row, (n, 3, 3); shape (n,)."""
+    return lengths(points - _nearest_point(points, triangles))
+
+
 def _nearest_point(points: Array, triangles: Array) -> Array:
     """The point of triangle k that is nearest to point k, shape (n, 3)."""
     normal = unit_rows(cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
