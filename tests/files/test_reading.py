@@ -17,6 +17,7 @@ import pytest
 import trimesh
 from pydantic import BaseModel, ValidationError
 
+import kilter
 from kilter.analysis.assumptions.upward import better_up
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, GivenContact, Part
@@ -429,6 +430,21 @@ def test_crossvault_on_the_interfaces_of_the_file():
     found = check(assembly)
     assert len(found.contact_set) == 488
     assert found.verdict not in ("unstable", "undecided")
+
+
+@pytest.mark.skipif(
+    not DATA.is_dir(), reason="real data is not here: ../shared/data beside the checkout"
+)
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.5, 0.84])
+def test_the_warped_blocks_of_crossvault_come_to_rest_by_the_least_motion(mu):
+    path = DATA / "compas_assembly" / "crossvault.json"
+    drawn = load(path, contacts="geometry", friction=mu)
+    answer = kilter.settle(drawn, nearest=True, require="equilibrium")
+    assert answer.state == "at-rest"
+    assert answer.rounds <= 8
+    assert answer.distance.max() < 1e-3
+    assert kilter.verify(answer.assembly, answer.proof()).holds
 
 
 @pytest.mark.slow

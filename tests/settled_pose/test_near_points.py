@@ -25,6 +25,7 @@ from kilter.analysis.settled_pose.near_points import NearPoints, find_near_point
 from kilter.analysis.settled_pose.rest_proof import closed_gap, closed_points
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.facets import warps
 from kilter.contact.common.gaps import Tolerance
 from kilter.files.robots.one_body import one_body
 from kilter.scenes.pieces import block, cells, floor, tube, turn
@@ -125,6 +126,36 @@ def test_a_segment_is_clear_if_no_wall_is_in_between(height, clear):
     start, end = np.array([[0.3, 0.4, 0.0]]), np.array([[0.3, 0.4, height]])
     assert are_clear(search, np.array([0]), start, end).tolist() == [clear]
     assert are_clear(search, np.array([0]), end, start).tolist() == [clear]
+
+
+def warped(name: str, half: float, low: float, drop: float, grounded: bool = False) -> Part:
+    """A block up to the plane z = 0, of which a corner is lower by `drop`."""
+    vertices, triangles = surface(Box([2 * half, 2 * half, -low]))
+    vertices = np.add(vertices, [0, 0, low / 2])
+    vertices[np.isclose(vertices, [half, half, 0]).all(axis=1), 2] -= drop
+    return Part(name, Mesh(vertices, triangles), grounded=grounded)
+
+
+@pytest.mark.parametrize("sunk", [2e-6, 1e-5])
+@pytest.mark.parametrize("drop", [1e-6, -1e-6])
+def test_a_warped_face_hides_no_penetration(drop, sunk):
+    """The triangles of a warped face lie between its plane and the face that is sunk into it."""
+    high = Part("high", Box([1, 1, 1]), [0, 0, 0.5 - sunk])
+    points = find_near_points(Assembly([warped("low", 0.5, -1, drop, True), high]), 1e-4, 1e-4)
+    assert len(points) == 4
+    assert np.abs(points.gap + sunk).max() <= abs(drop)
+
+
+@pytest.mark.parametrize(("share", "clear"), [(0.5, True), (2.0, False)])
+def test_a_wall_within_the_warp_of_an_end_hides_nothing(share, clear):
+    plate = warped("plate", 1.0, -0.5, 1e-6)
+    floor_below = floor([-1, -1], [2, 2])
+    search = begin_search(Assembly([floor_below, plate]), Tolerance(gap=1.0), lambda stage: None)
+    warp = float(warps(search.geometry, search.facets).max())
+    assert warp > 1e-7
+    end = np.array([[0.3, 0.4, -0.5 + 10 * warp]])
+    start = np.array([[0.3, 0.4, -0.5 - share * warp]])
+    assert are_clear(search, np.array([0]), start, end).tolist() == [clear]
 
 
 # edges that cross faces, corners --------------------------------------------------------------

@@ -14,6 +14,7 @@ import numpy as np
 from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged
 from kilter.contact.common.broad import joins
 from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.facets import warps
 from kilter.contact.contact_tolerances import SAME_PLACE
 
 PARALLEL = 1e-6
@@ -28,8 +29,9 @@ SEAM = 1e-9
 def are_clear(search: ContactSearch, pair: Index, start: Array, end: Array) -> Mask:
     """Mask of segments that cross no triangle of their parts between their ends, shape (n,).
 
-    Triangles lie off the exact surface of a curved face by up to the sagitta, so triangles whose
-    planes are within twice the sagittas of an end do not count.
+    Triangles lie off the exact surface of a curved face by up to the sagitta, and off the plane of
+    a warped face by up to the warp. So triangles whose planes are within twice the sagittas of an
+    end, and the warps, do not count.
 
     Arguments: `pair` (n,): row of each segment in `search.pairs`; `start`, `end` (n, 3) [length
     unit].
@@ -39,7 +41,10 @@ def are_clear(search: ContactSearch, pair: Index, start: Array, end: Array) -> M
     length = lengths(end - start)
     a, b = search.pairs[pair].T
     slack = geometry.slack[a] + geometry.slack[b]
+    warp = np.zeros(len(geometry.mass))
+    np.maximum.at(warp, search.facets.part, warps(geometry, search.facets))
     margin = 2 * slack + SAME_PLACE * np.minimum(geometry.size[a], geometry.size[b])
+    margin += warp[a] + warp[b]
     rows = np.flatnonzero(length > 2 * margin)
     if not len(rows):
         return clear

@@ -28,7 +28,7 @@ from kilter.assembly import Assembly, GivenContact, Part
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import TORUS
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.common.facets import Facets, find_facets
+from kilter.contact.common.facets import Facets, find_facets, warps
 from kilter.contact.contact_tolerances import ROUNDINGS
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.errors import some_names
@@ -42,8 +42,6 @@ from kilter.shape.primitives import Mesh, Shape, surface
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
 be warped [-]."""
-SLIVER = 1e-9
-"""Area of a sliver, over the square of its reach [-]."""
 BATCH = 1_000_000
 """Pairs of a point and a facet that are compared at once; a larger value needs more memory."""
 FIT = 1e-9
@@ -79,7 +77,7 @@ def closed_gap(assembly: Assembly, aside: Mask | None = None) -> float:
     geometry = assembly.geometry
     counts = np.ones(len(assembly), dtype=bool) if aside is None else ~aside
     facets = find_facets(geometry)
-    warp = _warps(geometry, facets)[counts[facets.part]]
+    warp = warps(geometry, facets)[counts[facets.part]]
     free = ~geometry.grounded
     size = float(np.median(geometry.size[free] if free.any() else geometry.size))
     return max(
@@ -87,18 +85,6 @@ def closed_gap(assembly: Assembly, aside: Mask | None = None) -> float:
         ROUNDINGS * float(geometry.accuracy[counts].max()),
         WARPS * float(warp.max(initial=0.0)),
     )
-
-
-def _warps(geometry: Geometry, facets: Facets) -> Array:
-    """Largest distance of a corner of each facet from its plane, shape (F,).
-
-    It is 0 on curved surfaces, and for slivers, which have no plane.
-    """
-    owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
-    offset = geometry.vertices[facets.corners] - facets.origin[owner]
-    warp = np.zeros(len(facets))
-    np.maximum.at(warp, owner, np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner])))
-    return np.where(facets.curved | (facets.area <= SLIVER * facets.reach**2), 0.0, warp)
 
 
 def closed_contacts(
@@ -253,7 +239,7 @@ def _normals_at(
     """
     rows, normals, turns = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))], [np.empty(0)]
     # warp over half the mean width of a face
-    tilt = 4 * _warps(geometry, facets) * facets.reach / np.maximum(facets.area, TINY)
+    tilt = 4 * warps(geometry, facets) * facets.reach / np.maximum(facets.area, TINY)
     width = int(np.diff(facets.start)[part].max(initial=1))
     for batch in np.array_split(np.arange(len(points)), 1 + len(points) * width // BATCH):
         owner, row = ragged(facets.start, part[batch])

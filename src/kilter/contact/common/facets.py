@@ -46,6 +46,8 @@ CHUNK = 60_000
 """Triangles processed at once; larger chunks are limited by memory bandwidth."""
 LONG_LOOP = 256
 """Number of corners above which a facet is stored as triangles."""
+SLIVER = 1e-9
+"""Area of a sliver, over the square of its reach [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,6 +83,18 @@ class Facets:
 
     def __len__(self) -> int:
         return len(self.part)
+
+
+def warps(geometry: Geometry, facets: Facets) -> Array:
+    """Largest distance of a corner of each facet from its plane [length unit], shape (F,).
+
+    It is 0 on curved surfaces, and for slivers, which have no plane.
+    """
+    owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
+    offset = geometry.vertices[facets.corners] - facets.origin[owner]
+    warp = np.zeros(len(facets))
+    np.maximum.at(warp, owner, np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner])))
+    return np.where(facets.curved | (facets.area <= SLIVER * facets.reach**2), 0.0, warp)
 
 
 MOST_KEPT = 100_000
