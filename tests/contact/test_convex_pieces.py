@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
-from kilter.contact.convex_pieces import convex_pieces
+from kilter.contact.convex_normals import _attained
+from kilter.contact.convex_pieces import convex_pieces, placed
 from kilter.contact.convex_points import PiecePoints, near_points
 from kilter.files.robots.one_body import capsule, one_body
 from kilter.rigid import Pose
@@ -234,6 +235,33 @@ def test_sphere_beside_a_cylinder_and_at_its_rim(height: float, gap: float) -> N
     )
     assert len(found) == 1
     np.testing.assert_allclose(found.gap, gap, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("shape", "at", "normal", "separation", "attained"),
+    [
+        (CUBE, [0, 0, -1.1], [0, 0, -1], 0.1, True),  # the rim over the face
+        (CUBE, [0, 0, -0.9], [0, 0, -1], -0.1, False),  # an overlap, which may be less elsewhere
+        (CUBE, [2, 0, -1.1], [0, 0, -1], 0.1, False),  # the rim beside the face
+        (CUBE, [1.0, 0, 0], [1, 0, 0], 0.2, True),  # the middle of a line of the side
+        (CUBE, [1.0, 0, 1.5], [1, 0, 0], 0.2, False),  # its middle below the face
+        (Cylinder(0.5, 1), [0, 0, -1.1], [0, 0, -1], 0.1, True),
+        (Cylinder(0.5, 1), [0, 0, -1.1], [0, 0, -1], 0.05, False),
+        (Cylinder(0.5, 1), [0.6, 0, -1.1], [0, 0, -1], 0.1, False),
+    ],
+)
+def test_a_point_of_both_pieces_shows_that_no_direction_separates_them_more(
+    shape: Shape, at: list, normal: list, separation: float, attained: bool
+) -> None:
+    cylinder = Cylinder(0.3, 1.0)
+    assembly, rotation, position = scene((cylinder, pose([0, 0, 0])), (shape, pose(at)))
+    pieces = placed(convex_pieces(assembly), rotation, position)
+    pair = np.array([0]), np.array([1])
+    cores = pieces.cores(pair[0]), pieces.cores(pair[1])
+    n = np.array([normal], dtype=np.float64)
+    found = _attained(pieces, pair, cores, n, np.array([separation]))
+    turned = _attained(pieces, pair[::-1], cores[::-1], -n, np.array([separation]))
+    assert found.tolist() == turned.tolist() == [attained]
 
 
 def test_cylinder_on_the_edge_of_a_box() -> None:

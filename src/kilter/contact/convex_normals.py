@@ -252,10 +252,12 @@ def _attained(
     shown = np.zeros(len(n), dtype=bool)
     for k, sign in enumerate((1.0, -1.0)):
         own, other, core = pair[k], pair[1 - k], cores[1 - k]
-        axis = scene.axis[own]
-        along = _unit(axis)
-        slope = np.einsum("ki,ki->k", along, n)[:, None]
-        out = axis * np.sign(slope) + scene.pieces.disc[own, None] * _unit(n - slope * along)
+        axis, frame = scene.axis[own], np.stack(across(_unit(scene.axis[own])), axis=1)
+        flat = (frame @ n[..., None])[..., 0]
+        length = np.linalg.norm(flat, axis=1, keepdims=True)
+        flat *= scene.pieces.disc[own, None] / np.where(length > 0, length, 1.0)
+        end = np.sign(np.einsum("ki,ki->k", axis, n))[:, None] * axis
+        out = end + np.einsum("ka,kai->ki", flat, frame)
         at = scene.middle[own] + sign * (out + separation[:, None] * n)
         inside = (_room(core, at) >= -EXACT * size[:, None]).all(axis=1) & ~core.bare
         off = np.linalg.norm(cross(at - scene.middle[other], _unit(scene.axis[other])), axis=1)
