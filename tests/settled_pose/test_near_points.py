@@ -21,10 +21,16 @@ import kilter
 from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.clear_segments import _crosses, are_clear
-from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
+from kilter.analysis.settled_pose.near_points import (
+    FEW_TRIANGLES,
+    NearPoints,
+    find_near_points,
+    surface_gaps,
+)
 from kilter.analysis.settled_pose.rest_proof import closed_gap, closed_points
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.distances import surface_distance
 from kilter.contact.common.facets import warps
 from kilter.contact.common.gaps import Tolerance
 from kilter.files.robots.one_body import one_body
@@ -401,6 +407,21 @@ def test_closed_points_of_a_compound_have_the_distance_of_its_nearest_member():
     for gap in (1e-9, 0.02, 1.0):
         apart, _ = closed_points(assembly, pairs, points, np.tile([0, 0, 1.0], (60, 1)), gap)
         assert apart == pytest.approx(known, abs=1e-12)
+
+
+@pytest.mark.parametrize("corners", [FEW_TRIANGLES // 2 + 2, FEW_TRIANGLES // 2 + 3])
+def test_parts_of_few_and_of_many_triangles_have_the_same_distances(corners):
+    rng = np.random.default_rng(corners)
+    points = rng.normal(size=(corners, 3))
+    hull = Mesh(*hull_surface(points / np.linalg.norm(points, axis=1)[:, None]))
+    assert len(hull.triangles) == 2 * corners - 4
+    geometry = Assembly([Part("hull", hull), Part("ball", Sphere(0.5), [3, 0, 0])]).geometry
+    places = rng.uniform(-2, 2, (40, 3))
+    expected = surface_distance(places, geometry.corners_of(0))
+    ball = np.abs(np.linalg.norm(places - [3, 0, 0], axis=1) - 0.5)
+    parts = np.tile([0, 1], (len(places), 1))
+    assert surface_gaps(geometry, parts[:, :1], places) == pytest.approx(expected, abs=1e-14)
+    assert surface_gaps(geometry, parts, places) == pytest.approx(expected + ball, abs=1e-14)
 
 
 @pytest.mark.parametrize(("x", "crosses"), [(0.2, True), (-0.1, False)])
