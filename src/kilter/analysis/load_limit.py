@@ -506,6 +506,8 @@ class SharedCones:
     """True if kilter's own interior-point method found no proof for an earlier limit."""
     mechanisms: list[Array] = field(default_factory=list)
     """Motions at earlier limits, shape (N, 6) each; each bounds the limits of other loads."""
+    at_rest: ForceProof | None = None
+    """Forces of an earlier limit of 0: they balance the base load alone."""
 
     @cached_property
     def opening(self) -> Opening:
@@ -530,6 +532,22 @@ class SharedCones:
             return LimitSides()
         least = int(np.argmin(shares))
         return beyond_at(self.program, wrench, shares[least], self.mechanisms[least])
+
+    def known_limit(self, wrench: Array) -> Limit | None:
+        """The limit 0 if the forces and the mechanisms of earlier limits prove it; else None."""
+        if self.at_rest is None:
+            return None
+        sides = held_at(self.program, wrench, 0.0, self.at_rest.forces, self.at_rest.friction)
+        sides = sides.better(self.beyond(wrench))
+        if not sides.closed or sides.forces is None:
+            return None
+        return Limit(
+            value=0.0,
+            gap=sides.gap,
+            forces=sides.forces,
+            motion=sides.motion,
+            program=self.program,
+        )
 
     @cached_property
     def balance(self) -> ConeBalance:
@@ -609,6 +627,8 @@ def _limit(shared: SharedCones, sides: LimitSides, most: float) -> Limit | NoLim
     program = shared.program
     if sides.motion is not None and sides.closed:
         shared.mechanisms.append(sides.motion.motion)
+    if sides.closed and abs(sides.held) <= NO_SHARE:
+        shared.at_rest = sides.forces
     if sides.forces is None:
         return NoLimit("none" if sides.none else "failed")
     value, motion, gap = sides.held, sides.motion, sides.gap

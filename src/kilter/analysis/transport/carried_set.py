@@ -212,6 +212,9 @@ class CarriedSet:
     def _farthest(self, motion: CarrierMotion) -> Limit | NoLimit:
         """Largest factor of a carrier motion, with forces and mechanism at the limit."""
         wrench = carrier_wrench(self.program, motion)
+        known = self._shared.known_limit(wrench)
+        if known is not None:
+            return known
         return held_limit(wrench, shared=self._shared, most=self.most, edges=self.edges)
 
     def _support(self, axes: Array, direction: Array, limit: Limit) -> SupportLine:
