@@ -363,11 +363,16 @@ _RECENT: dict[bytes, Array] = {}
 
 def _found_lowest(geometry: Geometry, ups: Array, chosen: Mask) -> Array:
     """The heights of `_lowest_along`."""
-    sides, heights = _longest_sides(geometry), []
+    own, side = _longest_sides(geometry)
+    owner, heights = geometry.triangle_part[own], []
+    reach = np.zeros(len(chosen))
+    np.maximum.at(reach, owner, side)
     for up in ups:
         low = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
-        low = np.where(chosen, low[chosen].min(), -np.inf)  # no higher point matters
-        heights.append(_lowered(geometry, up, low, sides)[chosen].min())
+        least = low[chosen].min()
+        near = (low - (1 + BESIDE_SEAM) * reach <= least)[owner]
+        low = np.where(chosen, least, -np.inf)  # no higher point matters
+        heights.append(_lowered(geometry, up, low, (own[near], side[near]))[chosen].min())
     return np.array(heights)
 
 

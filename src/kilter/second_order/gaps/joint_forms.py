@@ -279,6 +279,8 @@ def swings_of(assembly: Assembly, program: Program) -> Swings:
     count = len(program.names)
     forms, arms = np.zeros((2, count, 3, 3))
     inclined, torques = np.zeros((2, count), dtype=bool)
+    if not assembly.loads:
+        return Swings(forms, arms, inclined, torques)
     groups, center = RigidGroups.of(assembly), assembly.geometry.center
     for load in assembly.loads:
         part = assembly.index_of(load.part)

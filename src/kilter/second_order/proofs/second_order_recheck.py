@@ -85,6 +85,8 @@ def why_unmodelled(
 
     Arguments: `bodies` (N,): first parts of the rigid groups that count; by default all.
     """
+    if not pairs:
+        return ""
     first = RigidGroups.of(assembly).first
     mine = [
         (sorted(pair), why)
