@@ -161,7 +161,9 @@ class PlaceMap:
         )
         if inner is None:
             load, bound = (
-                ShiftedLoad(*loads.on_top(top, middle), -half, half)
+                ShiftedLoad(
+                    *loads.on_top(top, middle), -half, half, known_motions=self._alone.motions
+                )
                 for loads in (self.loads, self.bound)
             )
             inner = self._counted(load.places(self.strip))

@@ -147,7 +147,8 @@ class CarriedPoint:
 class ShiftedLoad:
     """A load on an assembly that is shifted within a rectangle.
 
-    Arguments: `wrenches` (2, N, 6); `low`, `high` (2,) [length unit].
+    Arguments: `wrenches` (2, N, 6); `low`, `high` (2,) [length unit]; `known_motions` (N, 6) each:
+    if one of them excludes all shifts, no program is solved.
     """
 
     program: Program
@@ -157,6 +158,7 @@ class ShiftedLoad:
     bound: Program | None = None
     known: ScaledProblem | None = None
     proofs: Literal["both", "forces", "motions"] = "both"
+    known_motions: Sequence[Array] = ()
 
     def places(
         self,
@@ -172,6 +174,9 @@ class ShiftedLoad:
         """
         whole = shapely.box(*self.low, *self.high)
         outer, programs = whole if within is None else within, 0
+        for motion in self.known_motions:
+            if (cut := self._left(outer, motion, whole)).is_empty:
+                return CarriedPlaces(shapely.Polygon(), cut, motions=(motion,))
         points = [CarriedPoint(shift, proof.forces, None) for shift, proof in carried]
         motions: list[Array] = []
 
