@@ -174,10 +174,13 @@ class Program(RowArrays):
 
     def lever(self, rows: Index, part: Index) -> Array:
         """Wrench that a unit force of each row exerts on a part, shape (k, 6)."""
-        normal = self.normal[rows]
-        moment = cross(self.point[rows] - self.center[part], normal)
-        angular = self.angular[rows][:, None]
-        return np.hstack([np.where(angular, 0.0, normal), np.where(angular, normal, moment)])
+        normal, angular = self.normal[rows], self.angular[rows]
+        wrench = np.empty((len(rows), 6))
+        wrench[:, :3] = normal
+        wrench[:, 3:] = cross(self.point[rows] - self.center[part], normal)
+        if angular.any():
+            wrench[angular, :3], wrench[angular, 3:] = 0.0, normal[angular]
+        return wrench
 
     @cached_property
     def rough(self) -> Index:
@@ -303,11 +306,15 @@ class Program(RowArrays):
     @cached_property
     def levers(self) -> tuple[tuple[Index, Index, Array], ...]:
         """Rows, parts, and the wrench of a unit force of each row on its part, for b and for a."""
+        return sealed(self._levers_of(np.ones(len(self.part_a), dtype=bool)))
+
+    def _levers_of(self, chosen: Mask) -> tuple[tuple[Index, Index, Array], ...]:
+        """As `levers`, of the chosen rows, (K,)."""
         sides = []
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
-            k = np.flatnonzero(part >= 0)
+            k = np.flatnonzero(chosen & (part >= 0))
             sides.append((k, part[k], sign * self.lever(k, part[k])))
-        return sealed(tuple(sides))
+        return tuple(sides)
 
     def of_parts(self, parts: Index) -> Program:
         """Copy of the program with the parts `parts`; the rows still have the old numbers."""
@@ -377,8 +384,11 @@ class Program(RowArrays):
         [N].
         """
         total = np.zeros((len(self.names), 6))
+        known = "levers" in self.__dict__
         for (rows, of, lever), (part, sign) in zip(
-            self.levers, ((self.part_b, 1.0), (self.part_a, -1.0)), strict=True
+            self.levers if known else self._levers_of(forces != 0),
+            ((self.part_b, 1.0), (self.part_a, -1.0)),
+            strict=True,
         ):
             wrench = forces[rows, None] * lever
             for axis in range(6):

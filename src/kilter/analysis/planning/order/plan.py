@@ -263,6 +263,8 @@ SEARCH = 12.0
 """Work of the search of an order, relative to the work of an effort [-]; larger: longer searches.
 
 At the default effort a search without result takes about six seconds of one core."""
+MANY_PARTS = 500
+"""Number of parts from which the work of the search grows with the number of parts."""
 
 
 @question(require="equilibrium")
@@ -309,7 +311,7 @@ def plan(
     rules = PlanRules() if rules is None else rules
     _require_plannable(assembly, rules)
     level = require_level(asked.require)
-    work = asked.work(SEARCH)
+    work = asked.work(SEARCH * max(1.0, len(assembly) / MANY_PARTS))
     after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)

@@ -144,6 +144,9 @@ CHECK = 10
 """Work of a state that needs choices of normals or `kilter.check`, as a number of programs."""
 LAYER = 0.01
 """Height of a layer, relative to the width of the assembly [-]; larger: more parts per layer."""
+THIN_LAYER = 0.25
+"""Largest height of a layer, relative to the median height of the parts [-]: in a wide assembly, a
+part and the part on it are in two layers."""
 SWEEP = 400.0
 """Units of work of one collision test of a pair of parts on a path."""
 
@@ -244,9 +247,12 @@ class OrderSearch:
         self.base = bits_of(geometry.grounded)
         self.scope = bits_of(~geometry.grounded)
         self.groups, self._group_of = self._separate_groups()
-        up = geometry.center @ -self.states.assembly.down
+        up, first = -self.states.assembly.down, geometry.vertex_start[:-1]
+        heights = geometry.vertices @ up
+        extent = np.maximum.reduceat(heights, first) - np.minimum.reduceat(heights, first)
         wide = float(np.ptp(geometry.center, axis=0).max())
-        layer = (up / max(wide, TINY) / LAYER).round()
+        height = min(LAYER * wide, THIN_LAYER * float(np.median(extent)))
+        layer = (geometry.center @ up / max(height, TINY)).round()
         groups = [list(self._members(unit)) for unit in self.units]
         self._layer = np.array([layer[parts].max() for parts in groups])
         self._middle = np.array([geometry.center[parts].mean(axis=0) for parts in groups])
