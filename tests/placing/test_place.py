@@ -54,6 +54,17 @@ def test_supports_far_aside_do_not_divide_the_places_on_others():
     assert more <= 3 * programs
 
 
+def test_no_top_is_searched_on_an_assembly_that_falls_without_the_load():
+    table = Part("table", Box(20, 4, 1), [0, 0, -0.5], grounded=True)
+    posts = [Part(f"post {k}", Box(0.5, 0.5, 1), [2.0 * k, 0, 0.5]) for k in range(-4, 5)]
+    loose = Part("loose", Box(0.5, 0.5, 0.5), [2, 1.5, 2.0])
+    falls = place(Assembly([table, *posts, loose], friction=0.0), box_to_place(SMALL, 1.0))
+    stands = place(Assembly([table, *posts], friction=0.0), box_to_place(SMALL, 1.0))
+    assert falls.programs <= 2 < 9 <= stands.programs
+    assert all(level.stands.is_empty for level in falls.levels)
+    assert not all(level.stands.is_empty for level in stands.levels)
+
+
 def seesaw(weight: float, half: float) -> Assembly:
     base = Part("base", Box([2 * half, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
     return Assembly([base, Part("plank", Box([2, 1, 0.1]), Pose([0, 0, 0.05]), mass=weight)])

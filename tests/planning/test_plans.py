@@ -15,7 +15,7 @@ from read_proofs import Proof, proof_of, reasons, signed, written
 from slopes import leaning
 
 import kilter
-from kilter import Assembly, InputError, Order, Part, Pose, States, states
+from kilter import Assembly, Box, InputError, Order, Part, Pose, States, states
 from kilter.analysis.planning.order.plan import MOST_SETS, find_unreachable, leads_nowhere
 from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.order.search import OrderSearch
@@ -113,6 +113,20 @@ def test_fewest_held_steps_are_those_of_all_orders():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("rows", [2, 4])
+def test_rows_of_a_wide_low_stack_are_laid_one_after_the_other(rows):
+    count, thick = 8, 0.02  # a hundredth of the width is more than three rows
+    slabs = [
+        Part(f"{row}-{k}", Box(1, 1, thick), [k + row % 2 / 2, 0, (row + 0.5) * thick])
+        for row in range(rows)
+        for k in range(count)
+    ]
+    table = Part("table", Box(count + 1, 2, 1), [count / 2, 0, -0.5], grounded=True)
+    order = kilter.plan(Assembly([table, *slabs]))
+    laid = [int(step.part.split("-")[0]) for step in order.steps]
+    assert laid == sorted(laid)
+
+
 def test_an_arch_that_falls_when_it_is_finished_has_no_order():
     falling = arch(20, ratio=0.2, friction=0.3)
     order = kilter.plan(falling)

@@ -11,9 +11,11 @@ from scipy.spatial.transform import Rotation
 
 import kilter
 from kilter import Box, CarrierMotion, Cylinder, InputError, Part, contacts
-from kilter.analysis.load_limit import Limit, NoLimit
+from kilter.analysis.load_limit import Limit, NoLimit, find_limit
+from kilter.analysis.margins import tilt
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration
 from kilter.analysis.transport.carrier import PAIRS, carried_assembly, carrier_wrench, load_matrix
+from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.arches import arch, oppenheim_arch
@@ -42,6 +44,27 @@ def _limit(assembly: kilter.Assembly, motion: CarrierMotion) -> float:
         )
         assert _holds(assembly, part) == held
     return limit.value
+
+
+def test_directions_without_any_limit_above_0_are_solved_once(monkeypatch):
+    solved = []
+
+    def counted(*arguments, **options):
+        solved.append(arguments)
+        return find_limit(*arguments, **options)
+
+    monkeypatch.setattr(tilt, "find_limit", counted)
+    program = build_program(smooth := stack_on_deck([[1, 1, 1]] * 3, 0.0), contacts(smooth))
+    carried = CarriedSet(program)
+    for angle in np.radians([0, 120, 240, 37, 61, 170, 301]):
+        limit = carried.along([np.cos(angle), np.sin(angle), 0])
+        assert limit.value == 0
+        pushed = program.with_rows(
+            applied=1e-3 * carrier_wrench(program, CarrierMotion([np.cos(angle), np.sin(angle), 0]))
+        )
+        assert check_motion(pushed, limit.motion.motion).holds
+        assert check_forces(program, limit.forces.forces, limit.forces.friction).holds
+    assert 1 <= len(solved) <= 3
 
 
 @pytest.mark.quick(2)
