@@ -56,6 +56,7 @@ from kilter.mechanics.coulomb_cones import (
     pyramid_forces,
 )
 from kilter.mechanics.forms import largest_share, scaled_problem
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import Start, common_start, iterates
@@ -525,9 +526,10 @@ class SharedCones:
         turned.opening = self.opening.turned(down)
         return turned
 
-    def beyond(self, wrench: Array) -> LimitSides:
-        """The least upper bound of a load limit that an earlier mechanism proves."""
-        shares = [motion_share(self.program, wrench, motion) for motion in self.mechanisms]
+    def beyond(self, wrench: Array, lowest: float = -np.inf) -> LimitSides:
+        """The least upper bound of a limit, from `lowest`, that an earlier mechanism proves."""
+        every = [motion_share(self.program, wrench, motion) for motion in self.mechanisms]
+        shares = [share if share >= lowest else np.inf for share in every]
         if not shares or not np.isfinite(min(shares)):
             return LimitSides()
         least = int(np.argmin(shares))
@@ -538,9 +540,9 @@ class SharedCones:
         if self.at_rest is None:
             return None
         sides = held_at(self.program, wrench, 0.0, self.at_rest.forces, self.at_rest.friction)
-        sides = sides.better(self.beyond(wrench))
-        if not sides.closed or sides.forces is None:
-            return None
+        sides = sides.better(self.beyond(wrench, 0.0))
+        if sides.start > TOLERANCE or sides.forces is None:
+            return None  # a mechanism that is not sharp is found anew
         return Limit(
             value=0.0,
             gap=sides.gap,
