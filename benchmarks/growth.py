@@ -200,9 +200,9 @@ def measured(command: str, family: str, small: Path, path: Path, limit: float) -
 def forget_shapes() -> None:
     """Clear what earlier readings keep of their shapes."""
     for kept in gc.get_objects():
-        if isinstance(kept, functools._lru_cache_wrapper):
-            if kept.__module__.startswith("kilter.assembly"):
-                kept.cache_clear()
+        cached = isinstance(kept, functools._lru_cache_wrapper)
+        if cached and kept.__module__.startswith("kilter.assembly"):
+            kept.cache_clear()
 
 
 def cell(command: str, family: str, small: Path, path: Path, limit: float) -> dict[str, Any]:
