@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import field, fields, is_dataclass
+from functools import reduce
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -65,6 +66,20 @@ def lengths(rows: Array) -> Array:
     """
     result: Array = np.sqrt(squares(rows))
     return result
+
+
+def extents(groups: Array) -> tuple[Array, Array]:
+    """Least and greatest entries along the second axis, which is short, shape (n, ...) each.
+
+    Comparisons of whole columns are several times faster than those along a short axis.
+
+    Examples
+    --------
+    >>> extents(np.array([[[0.0, 5], [2, 3], [1, 9]]]))
+    (array([[0., 3.]]), array([[2., 9.]]))
+    """
+    columns = [groups[:, k] for k in range(groups.shape[1])]
+    return reduce(np.minimum, columns), reduce(np.maximum, columns)
 
 
 def largest_entries(rows: Array) -> Array:

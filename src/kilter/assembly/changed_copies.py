@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, Mask, across, cross, lengths, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, extents, lengths, unit_rows
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, UPRIGHT
 from kilter.assembly.bonds import Bond
 from kilter.assembly.geometry import Geometry
@@ -476,7 +476,7 @@ def _chords(
     s, label = geometry.surfaces, geometry.triangle_surface
     owner, (own, side) = geometry.triangle_part, sides
     # both triangles of an edge that may reach the heights reach them by their longest side
-    lowest = (geometry.vertices @ up)[geometry.triangles[own]].min(axis=1)
+    lowest, _ = extents((geometry.vertices @ up)[geometry.triangles[own]])
     on_curved = own[lowest - side <= low[owner[own]] + BESIDE_SEAM * side]
     triangles = geometry.triangles[on_curved]
     first, second = shared_edges(triangles)

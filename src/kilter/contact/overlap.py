@@ -28,14 +28,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Index, Mask, cross, distinct_rows, lengths, nearest, ragged
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    across,
+    cross,
+    distinct_rows,
+    extents,
+    lengths,
+    nearest,
+    ragged,
+    unit_rows,
+)
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
+from kilter.contact.common.broad import boxes_in
 from kilter.contact.common.contact_search import coincide, deep_boxes
 from kilter.contact.common.distances import (
     PartSolids,
@@ -52,29 +67,35 @@ from kilter.work import stop_if_late
 
 PROBES = 300
 """Largest number of points of a part that are tested."""
+RAY = unit_rows(np.sqrt([[2.0, 3.0, 5.0]]))[0]
+"""Direction of rays; hardly a face of a drawn part is parallel to it."""
+EDGE_ON = 1e-9
+"""Share of the largest volume of a tetrahedron with its sides up to which rounding may decide on
+which side of a triangle its corner lies [-]."""
 BATCH = 100_000
 """Largest number of pairs (point, triangle) computed at once; more leave the processor's cache."""
 
 
 def depth_by_winding(
-    geometry: Geometry,
+    solids: PartSolids,
     parts: tuple[int, int],
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
     """Depth to which two parts overlap, at corners and edge middles [length unit]; 0: none."""
     a, b = parts
-    return max(_depth_inside(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
+    return max(_depth_inside(solids, *pair, tolerance, without) for pair in ((a, b), (b, a)))
 
 
 def _depth_inside(
-    geometry: Geometry,
+    solids: PartSolids,
     a: int,
     b: int,
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
     """Largest depth of points of part a inside part b, if above the tolerance [length unit]."""
+    geometry, solid = solids.geometry, solids.of(b)
     corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
     sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
     probes = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides])
@@ -85,13 +106,48 @@ def _depth_inside(
         return 0.0
     bound = at_most(probes, triangles)
     probes, bound = probes[bound > tolerance], bound[bound > tolerance]
-    inside = inside_part(geometry, b, probes)
+    if solid is None:
+        inside = inside_part(geometry, b, probes)
+    else:
+        inside, doubtful = _inside_solid(solid, probes - geometry.center[b])
+        inside[doubtful] = inside_part(geometry, b, probes[doubtful])
     return float(surface_distance(probes[inside], triangles, bound[inside]).max(initial=0.0))
 
 
 def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
     """Mask of points inside the surface of a part, shape (n,)."""
     return _winding_numbers(points, geometry.corners_of(part)) > 0.5
+
+
+def _inside_solid(solid: Any, points: Array) -> tuple[Mask, Mask]:
+    """Masks of points inside a solid, and of points about which rounding may decide.
+
+    A ray from a point inside leaves the solid more often than it enters it. Triangles that share an
+    edge agree in which of them a ray crosses, so that none is counted twice or missed.
+    """
+    mesh = solid.to_mesh64()
+    to_ray = np.stack([*across(RAY), RAY])
+    vertices, start = (
+        sum(x[:, k, None] * to_ray[:, k] for k in range(3))  # not a product: equal rows stay equal
+        for x in (np.asarray(mesh.vert_properties), points)
+    )
+    corners = vertices[np.asarray(mesh.tri_verts)]
+    ray = start, np.where([False, False, True], np.inf, start)
+    of_all = np.array([0, len(corners)]), np.zeros(len(points), dtype=np.int64)
+    point, row = boxes_in(*of_all, ray, extents(corners))
+    corner = corners[row] - start[point, None]
+    (u, v), (u_next, v_next) = (
+        (x[..., 0], x[..., 1]) for x in (corner, np.roll(corner, -1, axis=1))
+    )
+    side = u * v_next - u_next * v
+    upward = (v <= 0) & (v_next > 0) & (side > 0)
+    downward = (v > 0) & (v_next <= 0) & (side < 0)
+    turns = upward.sum(axis=1) - downward.sum(axis=1)
+    a, b, c = corner.transpose(1, 0, 2)
+    volume = np.einsum("ij,ij->i", a, cross(b, c))
+    count = np.bincount(point, weights=turns * (turns * volume > 0), minlength=len(points))
+    flat = np.abs(volume) <= EDGE_ON * lengths(a) * lengths(b) * lengths(c)
+    return count > 0.5, np.isin(np.arange(len(points)), point[flat & (turns != 0)])
 
 
 def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
@@ -217,7 +273,8 @@ def _farthest(points: Array, patch: Array, surface: Array, least: float) -> floa
     # the nearest point of the surface is no farther than the bound
     points, bound = points[left], bound[left]
     low, high = points.min(axis=0) - bound.max(), points.max(axis=0) + bound.max()
-    near = (surface.min(axis=1) <= high).all(axis=1) & (surface.max(axis=1) >= low).all(axis=1)
+    least_of, greatest_of = extents(surface)
+    near = (least_of <= high).all(axis=1) & (greatest_of >= low).all(axis=1)
     trees = TriangleTrees(surface[near])
     while len(points):
         chosen = _highest_of_cells(points, bound, CELLS)
@@ -385,8 +442,9 @@ def _surface_boxes(geometry: Geometry, parts: Iterable[int]) -> _Boxes:
         corners = geometry.vertices[geometry.triangles[s.triangle[place]]]
         first = np.flatnonzero(np.diff(owner, prepend=-1))
         grow = (s.sagitta + geometry.accuracy[s.part])[rows, None]
-        low[rows] = np.minimum.reduceat(corners.min(axis=1), first) - grow
-        high[rows] = np.maximum.reduceat(corners.max(axis=1), first) + grow
+        least, greatest = extents(corners)
+        low[rows] = np.minimum.reduceat(least, first) - grow
+        high[rows] = np.maximum.reduceat(greatest, first) + grow
     return low, high
 
 
@@ -399,7 +457,7 @@ def _behind_surfaces(geometry: Geometry, part: int, corners: Array, boxes: _Boxe
     s, off = geometry.surfaces, np.zeros((len(corners), 3))
     middles = (corners + np.roll(corners, -1, axis=1)) / 2
     across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    low, high = corners.min(axis=1), corners.max(axis=1)
+    low, high = extents(corners)
     least, most = (side[s.start[part] : s.start[part + 1]] for side in boxes)
     meets = least <= high.max(axis=0, initial=-np.inf)
     meets &= most >= low.min(axis=0, initial=np.inf)
@@ -435,7 +493,7 @@ def _general_overlap(
 
     body = shared_body(faces.search.solids, a, b)
     if body is None:
-        volume, depth = None, depth_by_winding(geometry, parts, tolerance, on_patch)
+        volume, depth = None, depth_by_winding(faces.search.solids, parts, tolerance, on_patch)
     else:
         depth = depth_of(faces.search.solids, parts, body, least=tolerance, without=on_patch)
         volume = body.volume

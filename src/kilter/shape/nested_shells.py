@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, connected, starts
+from kilter.arrays import Array, Index, Mask, connected, extents, starts
 from kilter.errors import InputError
 from kilter.shape.closed import contains, signed_volume
 from kilter.shape.shape_tolerances import COMMON_VOLUME
@@ -126,8 +126,8 @@ def _near_shells(
 
     corners = vertices[np.vstack(shells)]
     first = starts([len(shell) for shell in shells])[:-1]
-    low = np.minimum.reduceat(corners.min(axis=1), first)
-    high = np.maximum.reduceat(corners.max(axis=1), first)
+    least, greatest = extents(corners)
+    low, high = np.minimum.reduceat(least, first), np.maximum.reduceat(greatest, first)
     boxes = shapely.box(*low[:, :2].T, *high[:, :2].T)
     tree, rank, pairs = shapely.STRtree(boxes), np.argsort(np.argsort(-volume, kind="stable")), 0
     near = []

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
+from kilter.arrays import TINY, Array, Index, Mask, counted, extents, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.facets import Facets
 from kilter.contact.contact_tolerances import BOX_ROUNDING
@@ -96,9 +95,7 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
         groups = points.reshape(len(count), count[0], 3)
         if count[0] > MOST_LOOPED:
             return groups.min(axis=1), groups.max(axis=1)
-        # comparisons of whole columns are several times faster than those along a short axis
-        columns = [groups[:, k] for k in range(int(count[0]))]
-        return reduce(np.minimum, columns), reduce(np.maximum, columns)
+        return extents(groups)
     return np.minimum.reduceat(points, start[:-1]), np.maximum.reduceat(points, start[:-1])
 
 
@@ -247,16 +244,19 @@ def boxes_in(
         meets &= most[row, axis] >= low[owner, axis]
         owner, row = owner[meets], row[meets]
     owners, rows = [owner], [row]
-    columns = [(least[:, k].copy(), most[:, k].copy()) for k in range(3)] if large.any() else []
+    columns: dict[int, list[tuple[Array, Array]]] = {}
     for k in np.flatnonzero(large).tolist():
-        begin, end = start[part[k]], start[part[k] + 1]
-        first, last = columns[0][0][begin:end], columns[0][1][begin:end]
-        row = begin + np.flatnonzero((first <= high[k, 0]) & (last >= low[k, 0]))
-        for axis, (lower, upper) in enumerate(columns[1:], start=1):
+        of_part = int(part[k])
+        span = slice(start[of_part], start[of_part + 1])
+        if of_part not in columns:
+            columns[of_part] = [(least[span, i].copy(), most[span, i].copy()) for i in range(3)]
+        (first, last), *others = columns[of_part]
+        row = np.flatnonzero((first <= high[k, 0]) & (last >= low[k, 0]))
+        for axis, (lower, upper) in enumerate(others, start=1):
             row = row[lower[row] <= high[k, axis]]
             row = row[upper[row] >= low[k, axis]]
         owners.append(np.full(len(row), k))
-        rows.append(row)
+        rows.append(span.start + row)
     owner, row = np.concatenate(owners), np.concatenate(rows)
     order = np.argsort(owner, kind="stable") if large.any() else slice(None)
     return owner[order], row[order]

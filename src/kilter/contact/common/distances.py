@@ -20,7 +20,7 @@ C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
@@ -458,14 +458,42 @@ def nearest_to_group(solids: PartSolids, group: Index, boxes: tuple[Array, Array
     """The part outside a group that is nearest to it, and the part of the group at that distance.
 
     Arguments: `group` (n,): parts, fewer than all; `boxes`: lower and upper corners of the boxes of
-    all parts, shape (N, 3) each [length unit]. Pairs are tried by the distances of their boxes.
+    all parts, shape (N, 3) each [length unit]. Pairs are tried by the distances of their boxes,
+    first for the distances of corners: with a close bound the library finds a gap much sooner.
     """
-    geometry = solids.geometry
+    geometry, of_corners = solids.geometry, dict[tuple[int, int], float]()
+
+    def corner_distance(a: int, b: int, _: float) -> float:
+        """Least distance of corners of two parts, which is kept."""
+        distance = float(nearest(_corners(geometry, a), _corners(geometry, b))[0].min())
+        of_corners[a, b] = distance
+        return distance
+
+    def gap_below(a: int, b: int, most: float) -> float:
+        """Gap between two parts, or `most` if the gap is larger."""
+        return _gap(solids, a, b, min(most, of_corners.get((a, b), np.inf)))
+
+    _, bound = _nearest_pair(group, boxes, corner_distance, np.inf)
+    pair, gap = _nearest_pair(group, boxes, gap_below, float(np.nextafter(bound, np.inf)))
+    accuracy = float((geometry.slack[pair] + geometry.accuracy[pair]).sum())
+    return Neighbour(pair[0], pair[1], gap, accuracy)
+
+
+def _nearest_pair(
+    group: Index,
+    boxes: tuple[Array, Array],
+    distance_of: Callable[[int, int, float], float],
+    most: float,
+) -> tuple[list[int], float]:
+    """The nearest pair of a part of a group and another part, and its distance below `most`.
+
+    `distance_of`: distance of two parts, which matters only if it is below the third argument.
+    """
     low, high = boxes
     around = low[group].min(axis=0), high[group].max(axis=0)
     from_group = _box_distance(around, (low, high))
     from_group[group] = np.inf
-    pair, gap = [-1, -1], np.inf
+    pair, gap = [-1, -1], most
     for other in np.argsort(from_group, kind="stable")[: -len(group)].tolist():
         # the distance of the boxes is a lower bound: no later part is nearer
         if from_group[other] >= gap:
@@ -474,11 +502,10 @@ def nearest_to_group(solids: PartSolids, group: Index, boxes: tuple[Array, Array
         for k in np.argsort(apart, kind="stable").tolist():
             if apart[k] >= gap:
                 break
-            distance = _gap(solids, int(group[k]), other, gap)
+            distance = distance_of(int(group[k]), other, gap)
             if distance < gap:
                 pair, gap = [int(group[k]), other], distance
-    accuracy = float((geometry.slack[pair] + geometry.accuracy[pair]).sum())
-    return Neighbour(pair[0], pair[1], gap, accuracy)
+    return pair, gap
 
 
 def _box_distance(box: tuple[Array, Array], boxes: tuple[Array, Array]) -> Array:
@@ -492,17 +519,15 @@ def _box_distance(box: tuple[Array, Array], boxes: tuple[Array, Array]) -> Array
 def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
     """Gap between parts a and b [length unit], or `most` if the gap is larger."""
     geometry = solids.geometry
-    corners = [_corners(geometry, part) for part in (a, b)]
-    bound = min(most, float(nearest(corners[0], corners[1])[0].min()))
     solid_a, solid_b = solids.of(a), solids.of(b)
     if solid_a is not None and solid_b is not None:
         shifted_b = solid_b.translate(tuple((geometry.center[b] - geometry.center[a]).tolist()))
-        return float(solid_a.min_gap(shifted_b, bound))
+        return float(solid_a.min_gap(shifted_b, most))
     # a part bounds no body: distances of the corners from the triangles bound the gap
-    for points, part in ((corners[0], b), (corners[1], a)):
-        limit = np.full(len(points), bound)
-        bound = float(surface_distance(points, geometry.corners_of(part), limit).min())
-    return bound
+    for points, part in ((_corners(geometry, a), b), (_corners(geometry, b), a)):
+        limit = np.full(len(points), most)
+        most = float(surface_distance(points, geometry.corners_of(part), limit).min())
+    return most
 
 
 def _corners(geometry: Geometry, part: int) -> Array:

@@ -73,7 +73,11 @@ class Edges:
 
     def inside(self, boxes: Boxes, part: Index, box: tuple[Array, Array]) -> tuple[Index, Index]:
         """Edges of part ``part[k]`` whose box meets box k, as pairs (k, edge), ordered by k."""
-        return boxes_in(self.start, part, box, self.boxes(boxes, np.arange(len(self.ends_of))))
+        parts, place = np.unique(part, return_inverse=True)
+        owner, edges = ragged(self.start, parts)
+        start = np.searchsorted(owner, np.arange(len(parts) + 1))
+        k, row = boxes_in(start, place, box, self.boxes(boxes, edges))
+        return k, edges[row]
 
     def boxes(self, boxes: Boxes, which: Index) -> tuple[Array, Array]:
         """Bounding boxes of the edges `which`: lower and upper corners, shape (n, 3) each."""

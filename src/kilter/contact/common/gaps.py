@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, Rows
+from kilter.arrays import Array, Index, Mask, Rows, extents
 from kilter.assembly import Assembly, Joint
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.facets import Facets
@@ -290,7 +290,8 @@ def _meets_box(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
     """Whether the bounding box of any triangle of a part meets the box from `low` to `high`."""
     rows = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     corners = geometry.vertices[geometry.triangles[rows]]
-    apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
+    least, greatest = extents(corners)
+    apart = (greatest < low) | (least > high)
     return bool((~apart.any(axis=1)).any())
 
 

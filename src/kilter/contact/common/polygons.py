@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import Array, Index, Mask, Rows, across, angle_between, counted
+from kilter.arrays import Array, Index, Mask, Rows, across, angle_between, counted, extents
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.facets import Facets
 from kilter.contact.contact_tolerances import FACET_FLATNESS, OUTLINE_AREA, OUTLINE_GRID
@@ -536,8 +536,7 @@ class NearTriangles:
 
     def _boxes_of(self, facet: int) -> tuple[Array, Array]:
         if facet not in self.boxes:
-            points = self.geometry.vertices[self.corners(facet)]
-            self.boxes[facet] = points.min(axis=1), points.max(axis=1)
+            self.boxes[facet] = extents(self.geometry.vertices[self.corners(facet)])
         return self.boxes[facet]
 
 

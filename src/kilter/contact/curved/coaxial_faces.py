@@ -20,7 +20,19 @@ from typing import Literal
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, Rows, across, columns, cross, lengths, ragged, ratio
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    Rows,
+    across,
+    columns,
+    cross,
+    extents,
+    lengths,
+    ragged,
+    ratio,
+)
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
@@ -389,8 +401,9 @@ def _cylinders_of(geometry: Geometry, parts: Index) -> _Cylinders:
     corners = geometry.vertices[geometry.triangles[s.triangle[place]]] - s.point[rows[owner], None]
     height = np.einsum("tki,ti->tk", corners, s.axis[rows[owner]])
     low, high = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
-    np.minimum.at(low, owner, height.min(axis=1))
-    np.maximum.at(high, owner, height.max(axis=1))
+    lowest, highest = extents(height)
+    np.minimum.at(low, owner, lowest)
+    np.maximum.at(high, owner, highest)
     part, point, axis, radius, hollow, doubt = (
         values[rows] for values in (s.part, s.point, s.axis, s.radius, s.hollow, s.doubt)
     )

@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, across, counted, cross, ragged
+from kilter.arrays import TINY, Array, Index, Mask, across, counted, cross, extents, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE
 from kilter.contact.common.broad import joins
@@ -156,8 +156,9 @@ def bands_of(geometry: Geometry, rows: Index) -> Bands:
     count = len(rows)
     owner, angle, height, tip = unrolled(geometry, rows)
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(low, owner, height.min(axis=1))
-    np.maximum.at(high, owner, height.max(axis=1))
+    lowest, highest = extents(height)
+    np.minimum.at(low, owner, lowest)
+    np.maximum.at(high, owner, highest)
     (x0, x1, x2), (y0, y1, y2) = angle.T, height.T
     area = np.abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
     area = np.bincount(owner, np.where(tip, 2 * area, area), minlength=count)
@@ -423,7 +424,7 @@ def _box_pairs(first: Array, second: Array) -> tuple[Index, Index]:
     """Pairs of triangles on the unit sphere, one of each face, whose bounding boxes meet."""
     zeros = np.zeros(1)
     blocks = [(np.empty(0, np.int64), np.empty(0, np.int64))]
-    boxes = [(p.min(axis=1), p.max(axis=1)) for p in (first, second)]
+    boxes = [extents(p) for p in (first, second)]
     owners = [np.zeros(len(p), dtype=np.int64) for p in (first, second)]
     margin = 0.02  # a triangle lies below the sphere that it represents
     for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], zeros + margin):
@@ -537,7 +538,7 @@ def unrolled_overlap(
     shift = np.round((flat_first[:, :, 0].mean() - flat_second[:, :, 0].mean()) / TURN)
     turns = [np.array([TURN * (shift + k), 0.0]) for k in (-2, -1, 0, 1, 2)]
     flat_second = np.concatenate([flat_second + turn for turn in turns])
-    boxes = [(p.min(axis=1), p.max(axis=1)) for p in (flat_first, flat_second)]
+    boxes = [extents(p) for p in (flat_first, flat_second)]
     padded_boxes = [tuple(np.column_stack([c, np.zeros(len(c))]) for c in box) for box in boxes]
     owners = [np.zeros(len(p), dtype=np.int64) for p in (flat_first, flat_second)]
     corners, boxes_of_pieces, area = [np.empty((0, 2))], [np.empty((0, 2, 2))], 0.0

@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, across, ragged
+from kilter.arrays import TINY, Array, Index, Mask, across, extents, ragged
 from kilter.assembly.surfaces import CYLINDER, KINDS, SPHERE, Surfaces
 from kilter.contact.common.broad import facets_in, joins
 from kilter.contact.common.contact_search import ContactSearch
@@ -302,8 +302,9 @@ def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
     points = search.boxes.turned[geometry.triangles[surfaces.triangle]]
     first = surfaces.triangle_start[:-1][has_triangles]
     if len(first):
-        low[has_triangles] = np.minimum.reduceat(points.min(axis=1), first)
-        high[has_triangles] = np.maximum.reduceat(points.max(axis=1), first)
+        least, greatest = extents(points)
+        low[has_triangles] = np.minimum.reduceat(least, first)
+        high[has_triangles] = np.maximum.reduceat(greatest, first)
     sagitta = surfaces.sagitta[:, None]
     return low - sagitta, high + sagitta, has_triangles
 

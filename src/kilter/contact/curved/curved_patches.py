@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, Rows, cross, ratio, starts
+from kilter.arrays import Array, Index, Mask, Rows, cross, extents, ratio, starts
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
 from kilter.contact.common.broad import joins
@@ -63,7 +63,7 @@ def _crossings(
     """
     span = slice(int(geometry.triangle_start[part]), int(geometry.triangle_start[part + 1]))
     corners = geometry.vertices[geometry.triangles[span]]
-    lowest, highest = corners.min(axis=1), corners.max(axis=1)
+    lowest, highest = extents(corners)
     # only triangles near a line: the rim of a triangle, and the rounding of coordinates
     all_boxes = boxes[0].min(axis=0, initial=np.inf), boxes[1].max(axis=0, initial=-np.inf)
     rim = 2 * WALL_RIM * (np.abs(lowest) + np.abs(highest) + highest - lowest).max(initial=0.0)

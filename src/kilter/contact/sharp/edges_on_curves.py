@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, angle_between, ragged
+from kilter.arrays import Array, Index, Mask, across, angle_between, extents, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE, Surfaces
 from kilter.contact.common.broad import Boxes, joins
@@ -376,7 +376,7 @@ def _close_triangles(
         chosen = np.isin(label, wanted)
         sides.append(geometry.vertices[geometry.triangles[span][chosen]])
         labels.append(label[chosen])
-    boxes = [(side.min(axis=1), side.max(axis=1)) for side in sides]
+    boxes = [extents(side) for side in sides]
     owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
     widest = tolerance + float(sagitta[faces].sum(axis=1).max())
     key = (faces + 1) @ [width, 1]

@@ -42,6 +42,7 @@ from kilter.arrays import (
     columns,
     connected,
     cross,
+    extents,
     group_sums,
     ratio,
     unit_rows,
@@ -99,8 +100,7 @@ class SmoothFace:
     @cached_property
     def triangle_boxes(self) -> tuple[Array, Array]:
         """Lower and upper corners of the bounding boxes of the triangles, shape (m, 3)."""
-        corners = self.points[self.triangles]
-        return corners.min(axis=1), corners.max(axis=1)
+        return extents(self.points[self.triangles])
 
     @cached_property
     def triangle_balls(self) -> tuple[Array, Array]:

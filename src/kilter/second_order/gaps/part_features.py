@@ -21,7 +21,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, Rows, columns, cross, ragged, ratio, starts, unit_rows
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    Rows,
+    columns,
+    cross,
+    extents,
+    ragged,
+    ratio,
+    starts,
+    unit_rows,
+)
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS
 from kilter.contact.common.broad import joins
@@ -88,7 +100,7 @@ def _triangles_at(
 ) -> tuple[Index, Index]:
     """Pairs of a point and a triangle within `reach` of it, as indices sorted by point."""
     corners = geometry.vertices[geometry.triangles]
-    box = corners.min(axis=1), corners.max(axis=1)
+    box = extents(corners)
     pairs = [(k, t) for _, k, t in joins(part, (point, point), geometry.triangle_part, box, reach)]
     near = np.concatenate([np.empty(0, np.int64), *(k for k, _ in pairs)])
     triangle = np.concatenate([np.empty(0, np.int64), *(t for _, t in pairs)])

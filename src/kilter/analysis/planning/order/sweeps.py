@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -27,7 +28,7 @@ import shapely
 
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.planning.states.holds import bits_of, members
-from kilter.arrays import Array, Index, across, cross, unit_rows
+from kilter.arrays import Array, Index, across, cross, extents, unit_rows
 from kilter.contact import ContactSet
 from kilter.contact.common.polygons import cut_convex
 from kilter.contact.contact_tolerances import COPY_PLACE
@@ -55,7 +56,7 @@ FIRST_FACES = 500
 Direction = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _Shadow:
     """Projection of a part along a direction: triangles on the normal plane, with their heights."""
 
@@ -67,6 +68,16 @@ class _Shadow:
     """Facing cosine n . d of each triangle [-], shape (m,)."""
     slack: Array
     """Distance of each triangle from its curved surface [length unit], shape (m,)."""
+
+    @cached_property
+    def boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners of the boxes of the triangles on the plane, shape (m, 2)."""
+        return extents(self.plane)
+
+    @cached_property
+    def depths(self) -> tuple[Array, Array]:
+        """Least and greatest height of each triangle [length unit], shape (m,)."""
+        return extents(self.height)
 
     def moved(self, aside: Array, along: float) -> _Shadow:
         """Copy of the projection, moved by a vector on the plane, shape (2,), and by a height."""
@@ -367,15 +378,16 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     """
     exits = _beneath(moving, np.flatnonzero(moving.facing > ALONG), still)
     entries = _beneath(still, np.flatnonzero(still.facing < -ALONG), moving)
-    above = moving.height[exits].min(initial=np.inf)
-    entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
+    (bottom, top), (still_bottom, still_top) = moving.depths, still.depths
+    above = bottom[exits].min(initial=np.inf)
+    entries = entries[still_top[entries] >= above - tolerance]
     if not len(exits) or not len(entries):
         return np.inf, True
     below = shapely.polygons(moving.plane[exits])
     tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
     first, second = tree.query(below)
-    low = still.height[entries].min(axis=1)[second] - moving.height[exits].max(axis=1)[first]
-    high = still.height[entries].max(axis=1)[second] - moving.height[exits].min(axis=1)[first]
+    low = still_bottom[entries][second] - top[exits][first]
+    high = still_top[entries][second] - bottom[exits][first]
     slack = moving.slack[exits][first] + still.slack[entries][second]
     earliest = np.maximum(low, -tolerance) - MEETS * slack
     order = np.argsort(earliest, kind="stable")
@@ -404,9 +416,8 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
 
 def _beneath(shadow: _Shadow, faces: Index, other: _Shadow) -> Index:
     """The faces of a projection that reach the projected box of another one."""
-    low, high = other.plane.min(axis=(0, 1)), other.plane.max(axis=(0, 1))
-    plane = shadow.plane[faces]
-    near = (plane.max(axis=1) >= low) & (plane.min(axis=1) <= high)
+    (least, most), (low, high) = shadow.boxes, other.boxes
+    near = (most[faces] >= low.min(axis=0)) & (least[faces] <= high.max(axis=0))
     kept: Index = faces[near.all(axis=1)]
     return kept
 
