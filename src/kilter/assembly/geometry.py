@@ -8,7 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, read_only, starts, unit_rows
+from kilter.arrays import Array, Index, Mask, cross, extents, read_only, starts, unit_rows
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
 from kilter.assembly.mesh_surface import (
     MeshSurface,
@@ -480,15 +480,20 @@ def _refine_once(
     s: Surfaces, vertices: Array, triangles: Index, label: Index, box: tuple[Array, Array]
 ) -> tuple[Array, Index, Index]:
     """Divide triangles within a box once; returns vertices, triangles, and surface labels."""
-    first, second = shared_edges(triangles)
-    ends = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
+    low, high = extents(vertices[triangles])
+    rows = np.flatnonzero((low <= box[1]).all(axis=1) & (high >= box[0]).all(axis=1))
+    within = triangles[rows]
+    first, second = shared_edges(within)
+    ends = np.stack([within, within[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
     p, q = vertices[ends[first]].transpose(1, 0, 2)
     near = (np.minimum(p, q) <= box[1]).all(axis=1) & (np.maximum(p, q) >= box[0]).all(axis=1)
     first, second, p, q = first[near], second[near], p[near], q[near]
-    middle = _middles(s, vertices[triangles], label, (first // 3, second // 3), (p, q))
-    at = np.full(len(ends), -1)
-    at[first] = at[second] = len(vertices) + np.arange(len(first))
-    pieces, source = _divide(triangles, at.reshape(-1, 3))
+    middle = _middles(s, vertices[within], label[rows], (first // 3, second // 3), (p, q))
+    new = np.full(len(ends), -1)
+    new[first] = new[second] = len(vertices) + np.arange(len(first))
+    at = np.full(triangles.shape, -1)
+    at[rows] = new.reshape(-1, 3)
+    pieces, source = _divide(triangles, at)
     return np.concatenate([vertices, middle]), pieces, label[source]
 
 

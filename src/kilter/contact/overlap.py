@@ -56,7 +56,6 @@ from kilter.contact.common.distances import (
     PartSolids,
     TriangleTrees,
     at_most,
-    surface_distance,
 )
 from kilter.contact.common.findings import FacePatches, in_patch, is_settled
 from kilter.contact.common.gaps import Tolerance
@@ -96,22 +95,23 @@ def _depth_inside(
 ) -> float:
     """Largest depth of points of part a inside part b, if above the tolerance [length unit]."""
     geometry, solid = solids.geometry, solids.of(b)
-    corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
+    corners, surface = geometry.corners_of(a), solids.surface_of(b)
     sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
     probes = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides])
-    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    vertices = _corners(geometry, b)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
     probes = _some_without(distinct_rows(probes)[0], without)
     if not len(probes):
         return 0.0
-    bound = at_most(probes, triangles)
+    bound = surface.at_most(probes)
     probes, bound = probes[bound > tolerance], bound[bound > tolerance]
     if solid is None:
         inside = inside_part(geometry, b, probes)
     else:
         inside, doubtful = _inside_solid(solid, probes - geometry.center[b])
         inside[doubtful] = inside_part(geometry, b, probes[doubtful])
-    return float(surface_distance(probes[inside], triangles, bound[inside]).max(initial=0.0))
+    return float(surface.distance(probes[inside], bound[inside]).max(initial=0.0))
 
 
 def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
@@ -278,7 +278,7 @@ def _farthest(points: Array, patch: Array, surface: Array, least: float) -> floa
     trees = TriangleTrees(surface[near])
     while len(points):
         chosen = _highest_of_cells(points, bound, CELLS)
-        distance = trees.distance(points[chosen], bound[chosen])
+        distance = trees.distance(points[chosen], bound[chosen], enough=least)
         least = max(least, float(distance.max()))
         rest = np.delete(np.arange(len(points)), chosen)
         points, bound, known = points[rest], bound[rest], points[chosen]

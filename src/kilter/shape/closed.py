@@ -34,7 +34,8 @@ def weld(
     """
     distinct, inverse = distinct_rows(vertices + 0.0)
     merged = inverse[triangles]
-    if len(_boundary_edges(merged)):
+    is_body = bounds_a_body(merged)
+    if not is_body and len(_boundary_edges(merged)):
         size = float(np.ptp(distinct, axis=0).max(initial=0.0))
         close = _representatives(distinct, max(WELD * size, 4 * accuracy))
         if len(_boundary_edges(close[merged])) < len(_boundary_edges(merged)):
@@ -44,11 +45,34 @@ def weld(
     if flat.any():
         notes.append(f"{int(flat.sum())} faces of zero area dropped")
         merged = merged[~flat]
-    merged, repeats = _without_repeats(merged)
+    merged, repeats = (merged, 0) if is_body else _without_repeats(merged)
     if repeats:
         notes.append(f"{repeats} repeated faces dropped")
     used, compact = np.unique(merged, return_inverse=True)
     return distinct[used], compact.reshape(-1, 3), notes
+
+
+def bounds_a_body(triangles: Index) -> bool:
+    """Whether triangles form a closed surface: each edge occurs once in each direction.
+
+    manifold3d may end the process on triangles without this property.
+
+    Examples
+    --------
+    >>> bounds_a_body(np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
+    True
+    >>> bounds_a_body(np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3]]))
+    False
+    """
+    following = triangles[:, [1, 2, 0]]
+    count = int(triangles.max(initial=0)) + 1
+    forward, backward = (
+        (triangles * count + following).ravel(),
+        (following * count + triangles).ravel(),
+    )
+    forward.sort()
+    backward.sort()
+    return bool((forward == backward).all() and (np.diff(forward) > 0).all())
 
 
 def open_edges(vertices: Array, triangles: Index) -> Index:

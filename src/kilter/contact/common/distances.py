@@ -42,7 +42,7 @@ from kilter.arrays import (
 )
 from kilter.assembly.geometry import Geometry, refine
 from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
-from kilter.shape.closed import weld
+from kilter.shape.closed import bounds_a_body, weld
 from kilter.tell.record import Record
 from kilter.work import is_late
 
@@ -105,11 +105,21 @@ class TriangleTrees:
             for rows in _size_classes(radius)
         ]
 
-    def distance(self, points: Array, most: Array | None = None) -> Array:
-        """Distance of each point from the nearest triangle, as `surface_distance`."""
+    def at_most(self, points: Array) -> Array:
+        """Upper bound on the distance of each point from the nearest triangle, as `at_most`."""
+        _, near = self._tree.query(points, k=np.arange(1, min(NEAR, len(self.triangles)) + 1))
+        return _least_distance(points, self.triangles[near])
+
+    def distance(
+        self, points: Array, most: Array | None = None, *, enough: float = -np.inf
+    ) -> Array:
+        """Distance of each point from the nearest triangle, as `surface_distance`.
+
+        Distances up to `enough` are not reduced further [length unit].
+        """
         least = at_most(points, self.triangles) if most is None else most.copy()
         for some in self._classes:
-            some.reduce_to_nearest(least, points)
+            some.reduce_to_nearest(least, points, enough)
         return least
 
     def within(self, points: Array, reach: float) -> Mask:
@@ -161,8 +171,8 @@ class _SizeClass:
 
         return cKDTree(self.middle)
 
-    def reduce_to_nearest(self, least: Array, points: Array) -> None:
-        """Reduce distances of points to those of the nearest triangle, in place.
+    def reduce_to_nearest(self, least: Array, points: Array, enough: float) -> None:
+        """Reduce distances of points above `enough` to those of the nearest triangle, in place.
 
         No point of a triangle is farther than `radius` from its middle. So a triangle whose
         middle is farther than the least distance plus `radius` changes nothing. Each round examines
@@ -171,7 +181,8 @@ class _SizeClass:
         middle, radius = self.middle, self.radius
         low, high = middle.min(axis=0), middle.max(axis=0)
         from_box = lengths(points - np.clip(points, low, high))
-        rest = np.flatnonzero(from_box <= (least + radius) * (1 + DISTANCE_ROUNDING))
+        may_reduce = from_box <= (least + radius) * (1 + DISTANCE_ROUNDING)
+        rest = np.flatnonzero(may_reduce & (least > enough))
         begin, count = 0, min(FIRST_MIDDLES, len(middle))
         while len(rest) and begin < len(middle):
             still = []
@@ -186,21 +197,25 @@ class _SizeClass:
                 near = points[batch[k]]
                 foot = _nearest_point(near, self.triangles[row[k, column]])
                 np.minimum.at(least, batch[k], lengths(near - foot))
-                still.append(
-                    batch[distance[:, -1] <= (least[batch] + radius) * (1 + DISTANCE_ROUNDING)]
-                )
+                may_reduce = distance[:, -1] <= (least[batch] + radius) * (1 + DISTANCE_ROUNDING)
+                still.append(batch[may_reduce & (least[batch] > enough)])
             rest = np.concatenate(still)
             begin, count = count, min(4 * count, len(middle))
 
 
 def at_most(points: Array, triangles: Array) -> Array:
     """Upper bound on the distance of each point from the nearest triangle [length unit], (n,)."""
-    count = min(NEAR, len(triangles))
-    near = nearest(triangles.mean(axis=1), points, count)[1].reshape(-1)
+    near = nearest(triangles.mean(axis=1), points, min(NEAR, len(triangles)))[1]
+    return _least_distance(points, triangles[near])
+
+
+def _least_distance(points: Array, triangles: Array) -> Array:
+    """Least distance of point k from the triangles k, shape (n, m, 3, 3)."""
+    count = triangles.shape[1]
     repeated = np.repeat(points, count, axis=0)
-    off = lengths(repeated - _nearest_point(repeated, triangles[near]))
-    bound: Array = off.reshape(-1, count).min(axis=1)
-    return bound
+    off = lengths(repeated - _nearest_point(repeated, triangles.reshape(-1, 3, 3)))
+    least: Array = off.reshape(-1, count).min(axis=1)
+    return least
 
 
 def triangle_distance(points: Array, triangles: Array) -> Array:
@@ -354,18 +369,25 @@ class PartSolids:
 
     The centre of mass of a part is at the origin: coordinates keep their digits far from the origin
     of the file. With `finer` (rounds, box), triangles inside a box are refined onto their exact
-    surfaces. `cache` keeps the solids.
+    surfaces. `cache` and `surfaces` keep the solids and the search trees of the parts.
     """
 
     geometry: Geometry
     finer: tuple[int, tuple[Array, Array]] | None = None
     cache: dict[int, Any] = field(default_factory=dict)
+    surfaces: dict[int, TriangleTrees] = field(default_factory=dict)
 
     def of(self, part: int) -> Any:
         """The solid of a part about its centre of mass; None if its triangles enclose no volume."""
         if part not in self.cache:
             self.cache[part] = self._make(part)
         return self.cache[part]
+
+    def surface_of(self, part: int) -> TriangleTrees:
+        """The triangles of a part with their search trees."""
+        if part not in self.surfaces:
+            self.surfaces[part] = TriangleTrees(self.geometry.corners_of(part))
+        return self.surfaces[part]
 
     def _make(self, part: int) -> Any:
         """Merge the corners of a part's triangles into a solid; None if they enclose no volume."""
@@ -377,7 +399,7 @@ class PartSolids:
         vertices, triangles, _ = weld(
             corners - g.center[part], rows, accuracy=float(g.accuracy[part])
         )
-        if not _bounds_a_body(triangles):
+        if not bounds_a_body(triangles):
             return None
         mesh = manifold3d.Mesh64(
             vert_properties=np.ascontiguousarray(vertices),
@@ -387,22 +409,6 @@ class PartSolids:
         )
         solid = manifold3d.Manifold(mesh)
         return solid if solid.status() == manifold3d.Error.NoError else None
-
-
-def _bounds_a_body(triangles: Index) -> bool:
-    """Whether triangles form a closed surface: each edge occurs once in each direction.
-
-    manifold3d may end the process on triangles without this property.
-    """
-    following = triangles[:, [1, 2, 0]]
-    count = int(triangles.max(initial=0)) + 1
-    forward, backward = (
-        (triangles * count + following).ravel(),
-        (following * count + triangles).ravel(),
-    )
-    forward.sort()
-    backward.sort()
-    return bool((forward == backward).all() and (np.diff(forward) > 0).all())
 
 
 MOST_PARTS = 200

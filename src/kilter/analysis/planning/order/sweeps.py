@@ -28,7 +28,7 @@ import shapely
 
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.planning.states.holds import bits_of, members
-from kilter.arrays import Array, Index, across, cross, extents, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, extents, unit_rows
 from kilter.contact import ContactSet
 from kilter.contact.common.polygons import cut_convex
 from kilter.contact.contact_tolerances import COPY_PLACE
@@ -396,6 +396,8 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     while begin < len(order) and earliest[order[begin]] < least:
         rows = order[begin : begin + count]
         begin, count = begin + count, 2 * count
+        planes = moving.plane[exits[first[rows]]], still.plane[entries[second[rows]]]
+        rows = rows[~(_are_separated(*planes) | _are_separated(*planes[::-1]))]
         shared = shapely.intersection(below[first[rows]], tree.geometries[second[rows]])
         wide = shapely.area(shared) > SLIVER * tolerance * shapely.length(shared)
         rows, shared = rows[wide], shared[wide]
@@ -412,6 +414,20 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
         meets = (lowest - MEETS * slack[rows][ahead])[curved]
         may_meet = min(may_meet, float(meets.min(initial=np.inf)))
     return least, not may_meet < least
+
+
+def _are_separated(first: Array, second: Array) -> Mask:
+    """Mask of rows whose triangles, shape (n, 3, 2), lie on either side of a side of the first."""
+    separated = np.zeros(len(first), dtype=bool)
+    for k in range(3):
+        along = first[:, k] - first[:, k - 1]
+        across_side = np.column_stack([-along[:, 1], along[:, 0]])
+        (low, high), (other_low, other_high) = (
+            extents(np.einsum("nki,ni->nk", corners - first[:, k, None], across_side))
+            for corners in (first, second)
+        )
+        separated |= (other_low > high) | (other_high < low)
+    return separated
 
 
 def _beneath(shadow: _Shadow, faces: Index, other: _Shadow) -> Index:
