@@ -13,21 +13,24 @@ from kilter.arrays import Array
 from kilter.assembly.geometry import refine
 from kilter.assembly.mesh_surface import polyhedron_moments
 from kilter.contact import ContactSet, Tolerance, contacts, detect, pair_findings
-from kilter.contact.common import broad
+from kilter.contact.common import broad, distances
 from kilter.contact.common import facets as planar_facets
 from kilter.contact.common.broad import make_boxes, part_pairs
 from kilter.contact.common.distances import (
+    PartSolids,
     TriangleTrees,
     near_triangles,
+    nearest_to_group,
     surface_distance,
 )
 from kilter.contact.common.facets import find_facets
 from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.kept_contacts import KeptContacts
-from kilter.contact.overlap import _farthest
+from kilter.contact.overlap import _farthest, _inside_solid, inside_part
 from kilter.errors import InputError
 from kilter.scenes.pieces import block, tube
+from kilter.shape import closed
 from kilter.shape.covering import FaceCover, covered
 from kilter.shape.shape_tolerances import GRAZING
 
@@ -218,6 +221,78 @@ def test_an_upper_bound_is_never_exceeded():
     bound = np.full(len(points), 0.1)
     distance = surface_distance(points, triangles, bound)
     assert distance == pytest.approx(np.minimum(surface_distance(points, triangles), 0.1))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_distances_above_the_sufficient_one_are_exact(seed):
+    points, triangles = _scene(seed)
+    exact = surface_distance(points, triangles)
+    bound = exact + np.random.default_rng(seed).random(len(points))
+    for enough in np.quantile(exact, [0.0, 0.5, 1.0]).tolist():
+        distance = TriangleTrees(triangles).distance(points, bound, enough=enough)
+        above = exact > enough
+        assert distance[above] == pytest.approx(exact[above], rel=1e-14)
+        assert (distance[~above] <= bound[~above]).all()
+        assert (distance[~above] >= exact[~above] * (1 - 1e-14)).all()
+
+
+def around_a_ring() -> Assembly:
+    """A wide ring, with small boxes in it and beside it, within the box around the ring."""
+    places = [(0, 0, 0), (1, 0.5, 0), (-1.5, 1, 0.2), (3.5, 3.5, 0), (-3.5, 3.6, 0)]
+    boxes = [Part(f"box {k}", Box([0.3, 0.4, 0.5]), Pose(at)) for k, at in enumerate(places)]
+    return Assembly([Part("ring", mesh_of(torus(4.0, 0.5, sides=12, pieces=8))), *boxes])
+
+
+def test_gaps_are_searched_below_the_distance_of_the_nearest_corners(monkeypatch):
+    geometry, limits = around_a_ring().geometry, []
+    solids, measure = PartSolids(geometry), distances._gap
+
+    def recorded(*given):
+        limits.append(given[3])
+        return measure(*given)
+
+    monkeypatch.setattr(distances, "_gap", recorded)
+    for group in ([1], [4], [2, 3], [0, 5]):
+        near = nearest_to_group(solids, np.array(group), geometry.part_boxes)
+        others = np.setdiff1d(np.arange(6), group).tolist()
+        gaps = {(a, b): measure(solids, a, b, np.inf) for a in group for b in others}
+        assert (near.part, near.other) == min(gaps, key=gaps.get)
+        assert near.gap == pytest.approx(min(gaps.values()), rel=1e-12)
+    assert np.isfinite(limits).all()
+
+
+@pytest.mark.parametrize(
+    "shape", [mesh_of(torus(sides=24, pieces=12)), Box([2, 1, 1]), mesh_of(socket())]
+)
+def test_rays_find_the_points_that_a_surface_winds_about(shape):
+    geometry = Assembly([Part("a", shape, Pose([5, 0, 0]))]).geometry
+    low, high = (side[0] for side in geometry.part_boxes)
+    points = low + (high - low) * np.random.default_rng(6).uniform(-0.1, 1.1, (60, 3))
+    points = np.concatenate([points, (low + high)[None] / 2, np.round(points, 1) + 1e-6])
+    inside, doubtful = _inside_solid(PartSolids(geometry).of(0), points - geometry.center[0])
+    assert doubtful.sum() < 5
+    assert 10 < inside.sum() < 110
+    assert np.array_equal(inside[~doubtful], inside_part(geometry, 0, points)[~doubtful])
+
+
+def test_rounding_decides_only_about_points_on_the_surface():
+    solid = PartSolids(Assembly([Part("a", Box([2, 2, 2]))]).geometry).of(0)
+    points = np.array([[0.3, 0.4, z] for z in (1 - 1e-6, 1.0, 1 + 1e-6)])
+    inside, doubtful = _inside_solid(solid, points)
+    assert doubtful.tolist() == [False, True, False]
+    assert inside[[0, 2]].tolist() == [True, False]
+
+
+def test_open_edges_are_searched_only_in_meshes_that_are_open(monkeypatch):
+    searched = []
+    monkeypatch.setattr(
+        closed, "_boundary_edges", lambda rows: searched.append(len(rows)) or rows[:0, :2]
+    )
+    geometry = Assembly([Part("a", Box([1, 1, 1]))]).geometry
+    vertices, triangles, notes = closed.weld(geometry.vertices, geometry.triangles)
+    assert (len(vertices), len(triangles), notes, searched) == (8, 12, [], [])
+    closed.weld(geometry.vertices, geometry.triangles[1:])
+    assert searched[0] == 11
 
 
 def covered_by_all(triangles, points, normals, reach, grow):

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import shapely
 from interlocked import hooked
 from moved_solids import deepest, places_along, skin
 from random_turned import random_turned
@@ -15,7 +16,7 @@ from kilter import Assembly, Box, InputError, Order, Part, Pose, states
 from kilter.analysis.planning.order.locking import multipliers_of, opening, shuts
 from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.order.search import blocked_together, units_of_groups
-from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.planning.order.sweeps import Sweeps, _are_separated
 from kilter.analysis.planning.states.holds import bits_of
 from kilter.contact.common.distances import PartSolids
 from kilter.scenes import scene
@@ -337,3 +338,12 @@ def test_the_key_leaves_first_and_upwards():
         ("key", (0.0, 0.0, 1.0)),
     ]
     rechecked(order)
+
+
+def test_triangles_on_either_side_of_a_side_share_no_area():
+    rng = np.random.default_rng(8)
+    first, second = rng.random((2, 400, 3, 2)) + rng.random((2, 400, 1, 2))
+    separated = _are_separated(first, second) | _are_separated(second, first)
+    shared = shapely.area(shapely.intersection(shapely.polygons(first), shapely.polygons(second)))
+    assert 50 < separated.sum() < 350
+    assert np.array_equal(separated, shared == 0)

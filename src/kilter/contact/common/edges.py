@@ -81,7 +81,7 @@ class Edges:
 
     def boxes(self, boxes: Boxes, which: Index) -> tuple[Array, Array]:
         """Bounding boxes of the edges `which`: lower and upper corners, shape (n, 3) each."""
-        p, q = boxes.turned[self.ends_of[which]].transpose(1, 0, 2)
+        p, q = (boxes.turned[end] for end in self.ends_of[which].T)
         return np.minimum(p, q), np.maximum(p, q)
 
     def behind(
