@@ -16,8 +16,8 @@ first, and the rest only until the bound falls below the largest distance.
 Curved faces count as their inscribed polyhedra, refined as requested.
 
 The library manifold3d intersects the triangles of other parts. Triangles that bound no body (an
-edge with one face, or with four) have no volume; for these the winding number shows which corners
-lie inside the other part.
+edge with one face, or with four) have no volume. Then rays show which corners of such a part lie
+inside a closed part, and winding numbers show which corners of the other part lie inside it.
 
 References
 ----------
