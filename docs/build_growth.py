@@ -27,8 +27,7 @@ CPU seconds of each command on one core, and in brackets the largest memory [GiB
 parts. The seconds exclude imports and the reading of the file. The last column is the exponent p of
 seconds = c n^p over the cells of at least 0.1 s. `>` marks a cell that was ended at its limit, and
 `-` a cell that was not measured. All cells are of version b163eb87, measured two at a time on two
-cores. `plan` of walls, boxes and piles of 3,000 parts ends at its effort limit and finds no order.
-`plan` of frames joins what looks fastened (`--assume fits`), since the nuts fall as drawn.
+cores. `plan` of frames joins what looks fastened (`--assume fits`), since the nuts fall as drawn.
 
 `python benchmarks/growth.py` measures, and `python docs/build_growth.py` writes this page from
 `benchmarks/growth.csv`.
